@@ -1,0 +1,57 @@
+//! Rules of the subdivision schemes: options and masks. Rules know no meshes; weights depend on valence and sharpness alone.
+//!
+//! Sources: Catmull, Clark, *Recursively generated B-spline surfaces on arbitrary topological meshes*, 1978; Loop, *Smooth
+//! subdivision surfaces based on triangles*, 1987; DeRose, Kass, Truong, *Subdivision surfaces in character animation*, 1998.
+
+/// Sharpness from which on an edge or vertex is infinitely sharp and never decays.
+pub const INFINITE_SHARPNESS: f32 = 10.0;
+
+/// What happens at the boundary of an open cage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Boundary {
+    /// Faces at boundary vertices are holes unless the boundary edges are sharp.
+    None,
+    /// The boundary is a smooth curve, also at vertices with one face.
+    EdgeOnly,
+    /// The boundary is a smooth curve; a vertex with one face is a sharp corner.
+    #[default]
+    EdgeAndCorner,
+}
+
+/// How semi-sharp edges lose their sharpness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CreaseMethod {
+    /// By one per level.
+    #[default]
+    Uniform,
+    /// By Chaikin's corner-cutting average along the crease, less one.
+    Chaikin,
+}
+
+/// Where face-varying values are interpolated linearly.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FaceVaryingRule {
+    /// Nowhere.
+    None,
+    /// At corners of charts.
+    CornersOnly,
+    /// At corners, and where more than two charts meet.
+    #[default]
+    CornersPlus1,
+    /// Also at darts and concave corners.
+    CornersPlus2,
+    /// Along all boundaries of charts.
+    Boundaries,
+    /// Everywhere.
+    All,
+}
+
+/// Weights of Catmull-Clark edges next to triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TriangleRule {
+    /// The ordinary weights.
+    #[default]
+    Catmark,
+    /// Smoother weights beside triangles.
+    Smooth,
+}
