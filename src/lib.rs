@@ -3,5 +3,6 @@
 pub mod mesh;
 pub mod records;
 pub mod scheme;
+pub mod topology;
 
 pub use mesh::Cage;
