@@ -1,0 +1,170 @@
+//! One-dimensional weights of the uniform cubic B-spline at the dyadic parameters of a level.
+//!
+//! A regular patch is a tensor product, so these few numbers dice it at any level. They are made in `f64`, where all of them are exact
+//! but for the division by 6, and rounded once. The weights at a parameter do not depend on the level: finer levels repeat the bits of
+//! coarser ones.
+
+use std::sync::OnceLock;
+
+/// Deepest uniform level.
+pub const MAX_LEVEL: u32 = 10;
+
+/// What is evaluated at a grid point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// The point of the limit surface.
+    #[default]
+    Limit,
+    /// The control point after as many refinement steps as the level says (Antal's output). Normals are those of the limit.
+    Refined,
+}
+
+/// Weights at `0, 1/n, … 1` with `n = 2^level`. Arrays are padded by 16 entries that repeat the last one.
+#[derive(Clone, Debug)]
+pub(crate) struct Basis {
+    /// Weights of the four control points for the position.
+    pub(crate) point: [Vec<f32>; 4],
+    /// Weights for the first derivative of the limit.
+    pub(crate) slope: [Vec<f32>; 4],
+    /// Weights for the position of the limit (the same as `point` for [`Target::Limit`]).
+    pub(crate) limit: [Vec<f32>; 4],
+    /// Weights of left or right neighbour, and of the centre, for a point on a line of control points.
+    pub(crate) across: [f32; 2],
+}
+
+impl Basis {
+    pub(crate) fn get(target: Target, level: u32) -> &'static Self {
+        static TABLES: [[OnceLock<Basis>; MAX_LEVEL as usize + 1]; 2] =
+            [const { [const { OnceLock::new() }; MAX_LEVEL as usize + 1] }; 2];
+        TABLES[target as usize][level as usize].get_or_init(|| Self::make(target, level))
+    }
+
+    fn make(target: Target, level: u32) -> Self {
+        let n = 1_usize << level;
+        let limit = sample(n, spline);
+        let point = match target {
+            Target::Limit => limit.clone(),
+            Target::Refined => {
+                let rows = refined(level);
+                std::array::from_fn(|k| padded(rows.iter().map(|r| r[k])))
+            }
+        };
+        let across = [point[0][0], point[1][0]];
+        Self {
+            point,
+            slope: sample(n, spline_slope),
+            limit,
+            across,
+        }
+    }
+}
+
+fn padded(values: impl Iterator<Item = f64>) -> Vec<f32> {
+    let mut out: Vec<f32> = values.map(|w| w as f32).collect();
+    let last = out.last().copied().unwrap_or(0.0);
+    out.resize(out.len() + 16, last);
+    out
+}
+
+fn sample(n: usize, f: impl Fn(f64) -> [f64; 4]) -> [Vec<f32>; 4] {
+    std::array::from_fn(|k| padded((0..=n).map(|i| f(i as f64 / n as f64)[k])))
+}
+
+/// Values of the four cubic B-splines at `t` in 0…1.
+pub(crate) fn spline(t: f64) -> [f64; 4] {
+    let s = 1.0 - t;
+    [
+        s * s * s / 6.0,
+        (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
+        (4.0 + s * s * (3.0 * s - 6.0)) / 6.0,
+        t * t * t / 6.0,
+    ]
+}
+
+/// Their derivatives.
+pub(crate) fn spline_slope(t: f64) -> [f64; 4] {
+    let s = 1.0 - t;
+    [
+        -s * s / 2.0,
+        t * (3.0 * t - 4.0) / 2.0,
+        -s * (3.0 * s - 4.0) / 2.0,
+        t * t / 2.0,
+    ]
+}
+
+/// Weights of the control points of level `level` at the dyadic places of the segment: cubic subdivision of four unit vectors.
+fn refined(level: u32) -> Vec<[f64; 4]> {
+    // Control points from one before the segment to one after it.
+    let mut row: Vec<[f64; 4]> = (0..4)
+        .map(|k| std::array::from_fn(|i| f64::from(u8::from(i == k))))
+        .collect();
+    let mix = |terms: &[(f64, &[f64; 4])]| {
+        std::array::from_fn(|k| terms.iter().map(|(w, p)| w * p[k]).sum())
+    };
+    for _ in 0..level {
+        let mut next = Vec::with_capacity(2 * row.len());
+        for i in 0..row.len() - 1 {
+            if i > 0 {
+                next.push(mix(&[
+                    (0.125, &row[i - 1]),
+                    (0.75, &row[i]),
+                    (0.125, &row[i + 1]),
+                ]));
+            }
+            next.push(mix(&[(0.5, &row[i]), (0.5, &row[i + 1])]));
+        }
+        row = next;
+    }
+    row[1..row.len() - 1].to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_sum_to_one_and_slopes_to_zero() {
+        for target in [Target::Limit, Target::Refined] {
+            for level in 0..=MAX_LEVEL {
+                let b = Basis::get(target, level);
+                for i in 0..=1 << level {
+                    let sum: f32 = (0..4).map(|k| b.point[k][i]).sum();
+                    let slope: f32 = (0..4).map(|k| b.slope[k][i]).sum();
+                    assert!(
+                        (sum - 1.0).abs() < 3e-7 && slope.abs() < 3e-7,
+                        "{target:?} {level} {i}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_refinement_is_the_cubic_mask() {
+        let b = Basis::get(Target::Refined, 1);
+        let rows: Vec<[f32; 4]> = (0..3)
+            .map(|i| std::array::from_fn(|k| b.point[k][i]))
+            .collect();
+        assert_eq!(
+            rows,
+            [
+                [0.125, 0.75, 0.125, 0.0],
+                [0.0, 0.5, 0.5, 0.0],
+                [0.0, 0.125, 0.75, 0.125]
+            ]
+        );
+    }
+
+    #[test]
+    fn finer_levels_repeat_the_bits_of_coarser_ones() {
+        let (coarse, fine) = (Basis::get(Target::Limit, 3), Basis::get(Target::Limit, 7));
+        for k in 0..4 {
+            for i in 0..=8 {
+                assert_eq!(
+                    coarse.point[k][i].to_bits(),
+                    fine.point[k][16 * i].to_bits()
+                );
+            }
+        }
+    }
+}

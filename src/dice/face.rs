@@ -1,0 +1,630 @@
+//! One quad of the control mesh, ready to be diced: gathered from its ear stencil and nothing else.
+//!
+//! A quad with four regular corners is one bicubic piece. Any other is split once; around each irregular corner the split goes on
+//! towards the corner, and every step leaves three regular pieces behind (after Stam, *Exact evaluation of Catmull-Clark subdivision
+//! surfaces at arbitrary parameter values*, 1998, with the refinement itself in place of its eigenvectors, so that any boundary or
+//! valence works alike). The sides come from the edges' own rule, the corners from their fans.
+
+use super::basis::Target;
+use super::edge::{
+    EdgeSamples, Half, Strip, irregular_half, regular_half, sample_boundary, whole_strip,
+};
+use super::fan_points::FanPoints;
+use super::point::P4;
+use super::regular::{Piece, dice_piece};
+use super::window::{Window, edge_point, face_point, vertex_point};
+use crate::records::{BLOCK_POINTS, BlockSize, Grid3};
+use crate::topology::{FanRule, NONE, Ring, Topology};
+
+/// Control data of one channel (positions, or texture coordinates as points) of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Channel<'a> {
+    pub(crate) topology: &'a Topology,
+    pub(crate) points: &'a [[f32; 3]],
+    pub(crate) fans: &'a FanPoints,
+}
+
+/// A quad prepared for dicing at one level, with buffers that are used again for the next quad.
+#[derive(Clone, Debug)]
+pub struct FacePatch {
+    level: u32,
+    target: Target,
+    pieces: Vec<Piece>,
+    sides: [EdgeSamples; 4],
+    corners: [([f32; 3], [f32; 3]); 4],
+    windows: [Window; 4],
+    rings: Vec<Window>,
+    with_sides: bool,
+}
+
+impl Default for FacePatch {
+    fn default() -> Self {
+        Self {
+            level: 0,
+            target: Target::Limit,
+            pieces: Vec::new(),
+            sides: Default::default(),
+            corners: Default::default(),
+            windows: [const { Window::EMPTY }; 4],
+            rings: Vec::new(),
+            with_sides: false,
+        }
+    }
+}
+
+type Net<const N: usize> = [[P4; N]; N];
+
+impl FacePatch {
+    /// Prepares quad `q` at `level`. Without `sides` (texture coordinates) all points come from the pieces.
+    pub(crate) fn prepare(
+        &mut self,
+        channel: Channel<'_>,
+        q: u32,
+        target: Target,
+        level: u32,
+        sides: bool,
+    ) {
+        let t = channel.topology;
+        self.level = level;
+        self.target = target;
+        self.with_sides = sides;
+        self.pieces.clear();
+        let fans: [u32; 4] = std::array::from_fn(|c| t.fan(4 * q + c as u32));
+        for c in 0..4 {
+            let f = fans[c] as usize;
+            let normal = channel.fans.normals.get(f).copied().unwrap_or([0.0; 3]);
+            self.corners[c] = (channel.fans.limits[f], normal);
+        }
+        if level == 0 {
+            return;
+        }
+        let n = 1_usize << level;
+        if sides {
+            self.sides.iter_mut().for_each(|s| s.resize(n));
+        }
+        let regular: [bool; 4] = std::array::from_fn(|c| t.fans()[fans[c] as usize].is_regular());
+        if regular == [true; 4] {
+            let net = gather_net(t, channel.points, q);
+            self.pieces.push(Piece {
+                net,
+                origin: [0, 0],
+                size: n as u32,
+                level,
+            });
+            if sides {
+                for c in 0..4 {
+                    let strip = side_strip(&net, c);
+                    self.whole_side(t, channel.points, q, c, &strip);
+                }
+            }
+        } else {
+            self.prepare_irregular(channel, q, fans, regular);
+        }
+    }
+
+    /// Samples an edge with two regular ends, along its canonical direction.
+    fn whole_side(&mut self, t: &Topology, points: &[[f32; 3]], q: u32, c: usize, strip: &Strip) {
+        let n = 1_i64 << self.level;
+        let out = &mut self.sides[c];
+        if runs_forward(t, q, c) {
+            strip.sample(self.target, self.level, out, 0, 1);
+        } else {
+            strip.reversed().sample(self.target, self.level, out, n, -1);
+        }
+        if t.twin(4 * q + c as u32) == NONE {
+            self.boundary_side(t, points, q, c);
+        }
+    }
+
+    /// Puts the points of a boundary edge on the curve of the boundary polygon.
+    fn boundary_side(&mut self, t: &Topology, points: &[[f32; 3]], q: u32, c: usize) {
+        let h = 4 * q + c as u32;
+        let at = |g: u32| P4::new(points[t.vertex(g) as usize]);
+        let (a, b) = (at(h), at(t.next(h)));
+        let before = if t.fans()[t.fan(h) as usize].rule == FanRule::Corner {
+            P4::beyond(a, b)
+        } else {
+            Ring::from_half(t, h).last().map_or(a, |g| at(t.prev(g)))
+        };
+        let next = t.next(h);
+        let end = t.fans()[t.fan(next) as usize];
+        let after = if end.rule == FanRule::Corner {
+            P4::beyond(b, a)
+        } else {
+            at(t.next(end.first))
+        };
+        let n = 1_i64 << self.level;
+        if runs_forward(t, q, c) {
+            sample_boundary(
+                [before, a, b, after],
+                self.target,
+                self.level,
+                &mut self.sides[c],
+                0,
+                1,
+            );
+        } else {
+            sample_boundary(
+                [after, b, a, before],
+                self.target,
+                self.level,
+                &mut self.sides[c],
+                n,
+                -1,
+            );
+        }
+    }
+
+    fn prepare_irregular(
+        &mut self,
+        channel: Channel<'_>,
+        q: u32,
+        fans: [u32; 4],
+        regular: [bool; 4],
+    ) {
+        let t = channel.topology;
+        let level = self.level;
+        for c in 0..4 {
+            let reach = if regular[c] { 3 } else { level as usize + 1 };
+            self.windows[c].gather(t, channel.points, 4 * q + c as u32, reach);
+        }
+        if self.with_sides {
+            for c in 0..4 {
+                let d = (c + 1) % 4;
+                if regular[c] && regular[d] {
+                    let strip = whole_strip(&self.windows[c], 0, &self.windows[d], 1);
+                    self.whole_side(t, channel.points, q, c, &strip);
+                }
+            }
+        }
+        // Depth 1: refine the four windows; regular corners follow the smooth, crease or corner mask by the same series.
+        let mut series: [_; 4] = std::array::from_fn(|c| channel.fans.series(fans[c]));
+        for c in 0..4 {
+            let v = match &mut series[c] {
+                Some(s) => s.step(),
+                None => regular_vertex(&self.windows[c], t.fans()[fans[c] as usize].rule),
+            };
+            self.windows[c].step(v);
+        }
+        let net = once_refined(&self.windows, regular);
+        let half = 1_u32 << (level - 1);
+        let mut centre_done = false;
+        for c in 0..4 {
+            let (row, col) = [(0, 0), (0, 1), (1, 1), (1, 0)][c];
+            if regular[c] {
+                let net = std::array::from_fn(|r| std::array::from_fn(|k| net[row + r][col + k]));
+                self.pieces.push(Piece {
+                    net,
+                    origin: [col as u32 * half, row as u32 * half],
+                    size: half,
+                    level: level - 1,
+                });
+                centre_done = true;
+            }
+        }
+        if !centre_done {
+            let mut at: Net<4> =
+                std::array::from_fn(|r| std::array::from_fn(|k| net[1 + r][1 + k]));
+            at[3][3] = P4::ZERO;
+            self.pieces.push(Piece {
+                net: at,
+                origin: [half; 2],
+                size: 0,
+                level: level - 1,
+            });
+        }
+        for c in 0..4 {
+            if !regular[c] {
+                self.refine_corner(c, &net, series[c], level);
+            }
+            if self.with_sides {
+                self.half_sides(t, q, c, regular);
+            }
+        }
+        if self.with_sides {
+            for c in 0..4 {
+                if !(regular[c] && regular[(c + 1) % 4]) && t.twin(4 * q + c as u32) == NONE {
+                    self.boundary_side(t, channel.points, q, c);
+                }
+            }
+        }
+    }
+
+    /// Regular pieces towards the irregular corner `c`; leaves the corner's windows at depths 1, 2, … in `rings`.
+    fn refine_corner(
+        &mut self,
+        c: usize,
+        net: &Net<5>,
+        series: Option<super::fan_points::FanSeries>,
+        level: u32,
+    ) {
+        let full = turn(net, c);
+        let mut node: Net<4> = std::array::from_fn(|r| std::array::from_fn(|k| full[r][k]));
+        let mut window = self.windows[c].clone();
+        self.rings.clear();
+        self.rings.push(window.clone());
+        let Some(mut series) = series else { return };
+        let n = 1_u32 << level;
+        for depth in 2..=level {
+            window.step(series.step());
+            let next = refine_node(&node, &window);
+            let size = n >> depth;
+            for (row, col) in [(0, 1), (1, 1), (1, 0)] {
+                let local: Net<4> =
+                    std::array::from_fn(|r| std::array::from_fn(|k| next[row + r][col + k]));
+                let place = [col as u32 * size, row as u32 * size];
+                self.pieces.push(Piece {
+                    net: turn_back(&local, c),
+                    origin: corner_origin(c, place, size, n),
+                    size,
+                    level: level - depth,
+                });
+            }
+            node = std::array::from_fn(|r| std::array::from_fn(|k| next[r][k]));
+            self.rings.push(window.clone());
+        }
+    }
+
+    /// Samples the halves at corner `c` of its two sides, where the side has an irregular end.
+    fn half_sides(&mut self, t: &Topology, q: u32, c: usize, regular: [bool; 4]) {
+        let n = 1_i64 << self.level;
+        for outgoing in [true, false] {
+            let side = if outgoing { c } else { (c + 3) % 4 };
+            let other = if outgoing { (c + 1) % 4 } else { side };
+            if regular[c] && regular[other] {
+                continue;
+            }
+            let (s, so) = if outgoing { (0, 1) } else { (1, 0) };
+            let (at, step) = if outgoing { (0, 1) } else { (n, -1) };
+            let half = Half {
+                target: self.target,
+                level: self.level,
+                at,
+                step,
+            };
+            // The middle belongs to the half at the lower vertex.
+            let middle = (n / 2) as usize;
+            let out = &mut self.sides[side];
+            let kept: [f32; 6] = std::array::from_fn(|k| {
+                if k < 3 {
+                    out.points[k][middle]
+                } else {
+                    out.normals[k - 3][middle]
+                }
+            });
+            if regular[c] {
+                regular_half(&self.windows[c], s, &self.windows[other], so, half, out);
+            } else {
+                irregular_half(&self.rings, s, &self.windows[other], so, half, out);
+            }
+            let other_done = other < c;
+            let owner = runs_forward(t, q, side) == outgoing;
+            if other_done && !owner {
+                out.set(
+                    middle,
+                    [kept[0], kept[1], kept[2]],
+                    [kept[3], kept[4], kept[5]],
+                );
+            }
+        }
+    }
+
+    /// Number of blocks along each side of the face.
+    #[must_use]
+    pub fn blocks_per_side(level: u32) -> u32 {
+        1 << level.saturating_sub(5)
+    }
+
+    /// Size of every block at a level.
+    #[must_use]
+    pub fn block_size(level: u32) -> BlockSize {
+        let n = (1_usize << level.min(5)) + 1;
+        BlockSize { cols: n, rows: n }
+    }
+
+    /// Dices block (`bu`, `bv`) of the face.
+    pub(crate) fn dice(
+        &self,
+        bu: u32,
+        bv: u32,
+        points: &mut Grid3,
+        mut normals: Option<&mut Grid3>,
+    ) {
+        let segments = 1_u32 << self.level.min(5);
+        let start = [bu * segments, bv * segments];
+        for piece in &self.pieces {
+            dice_piece(
+                piece,
+                self.target,
+                start,
+                segments,
+                points,
+                normals.as_deref_mut(),
+            );
+        }
+        let n = 1_u32 << self.level;
+        if self.with_sides && self.level > 0 {
+            self.dice_sides(start, segments, points, normals.as_deref_mut());
+        }
+        for (c, (col, row)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
+            if (start[0]..=start[0] + segments).contains(&col)
+                && (start[1]..=start[1] + segments).contains(&row)
+            {
+                let (i, j) = ((col - start[0]) as usize, (row - start[1]) as usize);
+                points.set(i, j, self.corners[c].0);
+                if let Some(normals) = normals.as_deref_mut() {
+                    normals.set(i, j, self.corners[c].1);
+                }
+            }
+        }
+    }
+
+    fn dice_sides(
+        &self,
+        start: [u32; 2],
+        segments: u32,
+        points: &mut Grid3,
+        mut normals: Option<&mut Grid3>,
+    ) {
+        let n = 1_usize << self.level;
+        let (u0, v0, m) = (start[0] as usize, start[1] as usize, segments as usize);
+        debug_assert!(m < BLOCK_POINTS);
+        let mut copy = |side: &EdgeSamples, k: usize, i: usize, j: usize| {
+            points.set(i, j, std::array::from_fn(|c| side.points[c][k]));
+            if let Some(normals) = normals.as_deref_mut() {
+                normals.set(i, j, std::array::from_fn(|c| side.normals[c][k]));
+            }
+        };
+        for i in 0..=m {
+            if v0 == 0 {
+                copy(&self.sides[0], u0 + i, i, 0);
+            }
+            if u0 + m == n {
+                copy(&self.sides[1], v0 + i, m, i);
+            }
+            if v0 + m == n {
+                copy(&self.sides[2], n - u0 - i, i, m);
+            }
+            if u0 == 0 {
+                copy(&self.sides[3], n - v0 - i, 0, i);
+            }
+        }
+    }
+
+    /// Points whose convex hull holds the whole diced face, but for rounding.
+    pub(crate) fn hull(&self, mut out: impl FnMut([f32; 3])) {
+        for piece in &self.pieces {
+            piece.hull(self.target, [0.0, 1.0], [0.0, 1.0], &mut out);
+        }
+        self.corners.iter().for_each(|c| out(c.0));
+    }
+
+    /// The same for one block.
+    pub(crate) fn block_hull(&self, bu: u32, bv: u32, mut out: impl FnMut([f32; 3])) {
+        let segments = 1_u32 << self.level.min(5);
+        let n = 1_u32 << self.level;
+        let start = [bu * segments, bv * segments];
+        for piece in &self.pieces {
+            let range = |k: usize| {
+                let lo = piece.origin[k].max(start[k]);
+                let hi = (piece.origin[k] + piece.size).min(start[k] + segments);
+                let scale = 1.0 / piece.size.max(1) as f32;
+                (lo <= hi).then(|| {
+                    [
+                        (lo - piece.origin[k]) as f32 * scale,
+                        (hi - piece.origin[k]) as f32 * scale,
+                    ]
+                })
+            };
+            if let (Some(u), Some(v)) = (range(0), range(1)) {
+                piece.hull(self.target, u, v, &mut out);
+            }
+        }
+        for (c, (col, row)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
+            if (start[0]..=start[0] + segments).contains(&col)
+                && (start[1]..=start[1] + segments).contains(&row)
+            {
+                out(self.corners[c].0);
+            }
+        }
+    }
+}
+
+/// Whether side `c` of quad `q` runs along its edge's canonical direction, from the lower to the higher vertex number.
+fn runs_forward(t: &Topology, q: u32, c: usize) -> bool {
+    let h = 4 * q + c as u32;
+    t.vertex(h) < t.vertex(t.next(h))
+}
+
+/// The 16 control points of a regular quad; phantoms `2a − b` stand where a boundary leaves a row or column out.
+fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
+    let at = |h: u32| P4::new(points[t.vertex(h) as usize]);
+    let mut net = [[P4::ZERO; 4]; 4];
+    // Places in walking order around the square: corner, the two points beyond the side that leaves it, the point beyond the corner.
+    const INNER: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 2), (2, 1)];
+    const BEYOND: [[(usize, usize); 2]; 4] = [
+        [(0, 1), (0, 2)],
+        [(1, 3), (2, 3)],
+        [(3, 2), (3, 1)],
+        [(2, 0), (1, 0)],
+    ];
+    const DIAGONAL: [(usize, usize); 4] = [(0, 0), (0, 3), (3, 3), (3, 0)];
+    let mut open = [false; 4];
+    for c in 0..4 {
+        let h = 4 * q + c as u32;
+        net[INNER[c].0][INNER[c].1] = at(h);
+        let twin = t.twin(h);
+        if twin == NONE {
+            open[c] = true;
+            continue;
+        }
+        let below = t.next(twin);
+        let [first, second] = BEYOND[c];
+        net[first.0][first.1] = at(t.next(below));
+        net[second.0][second.1] = at(t.prev(twin));
+        let diagonal = t.rotate_back(below);
+        if diagonal != NONE {
+            net[DIAGONAL[c].0][DIAGONAL[c].1] = at(t.next(t.next(diagonal)));
+        }
+    }
+    fill_phantoms(&mut net, open);
+    net
+}
+
+/// Fills the rows and columns beyond the sides that are open; columns first, so that at a corner of two open sides both agree.
+fn fill_phantoms<const N: usize>(net: &mut Net<N>, open: [bool; 4]) {
+    let last = N - 1;
+    for row in net.iter_mut() {
+        if open[3] {
+            row[0] = P4::beyond(row[1], row[2]);
+        }
+        if open[1] {
+            row[last] = P4::beyond(row[last - 1], row[last - 2]);
+        }
+    }
+    if open[0] {
+        net[0] = std::array::from_fn(|c| P4::beyond(net[1][c], net[2][c]));
+    }
+    if open[2] {
+        net[last] = std::array::from_fn(|c| P4::beyond(net[last - 1][c], net[last - 2][c]));
+    }
+}
+
+/// The strip along side `c` of a regular net, in walking direction.
+fn side_strip(net: &Net<4>, c: usize) -> Strip {
+    let n = turn(net, c);
+    Strip {
+        l: n[2],
+        c: n[1],
+        r: n[0],
+    }
+}
+
+/// The net seen from corner `c`: its outgoing side becomes the bottom row.
+fn turn<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
+    let m = N - 1;
+    std::array::from_fn(|t| {
+        std::array::from_fn(|s| match c {
+            0 => net[t][s],
+            1 => net[s][m - t],
+            2 => net[m - t][m - s],
+            _ => net[m - s][t],
+        })
+    })
+}
+
+/// Inverse of [`turn`].
+fn turn_back<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
+    turn(net, (4 - c) % 4)
+}
+
+/// Grid origin of a square that lies at `place` seen from corner `c`.
+fn corner_origin(c: usize, [s, t]: [u32; 2], size: u32, n: u32) -> [u32; 2] {
+    match c {
+        0 => [s, t],
+        1 => [n - t - size, s],
+        2 => [n - s - size, n - t - size],
+        _ => [t, n - s - size],
+    }
+}
+
+/// What a regular vertex becomes in one step.
+fn regular_vertex(w: &Window, rule: FanRule) -> P4 {
+    match rule {
+        FanRule::Corner => w.v,
+        FanRule::Crease => {
+            let (a, b) = if w.has(1) {
+                (w.e(0), w.e(2))
+            } else {
+                (w.e(-1), w.e(1))
+            };
+            w.v * 0.75 + (a + b) * 0.125
+        }
+        FanRule::Smooth => vertex_point([
+            [w.f(1), w.e(1), w.f(0)],
+            [w.e(2), w.v, w.e(0)],
+            [w.f(-2), w.e(-1), w.f(-1)],
+        ]),
+    }
+}
+
+/// The 5×5 net after one step around a quad, from the windows of its corners at depth 1. Points beyond irregular corners stay zero.
+fn once_refined(w: &[Window; 4], regular: [bool; 4]) -> Net<5> {
+    let mut net = [[P4::ZERO; 5]; 5];
+    net[2][2] = w[0].f(0);
+    let mut open = [false; 4];
+    for c in 0..4 {
+        // Seen from corner c, written back to the face's own places.
+        let mut put = |row: usize, col: usize, p: P4| {
+            let (r, k) = match c {
+                0 => (row, col),
+                1 => (col, 4 - row),
+                2 => (4 - row, 4 - col),
+                _ => (4 - col, row),
+            };
+            net[r][k] = p;
+        };
+        put(1, 1, w[c].v);
+        put(1, 2, w[c].e(0));
+        if w[c].has(-1) {
+            put(0, 1, w[c].e(-1));
+            put(0, 2, w[c].f(-1));
+        } else {
+            open[c] = true;
+        }
+        if w[c].has(1) {
+            put(1, 0, w[c].e(2));
+        }
+        if regular[c] && w[c].has(-1) && w[c].has(1) && w[c].has(2) {
+            put(0, 0, w[c].f(2));
+        }
+    }
+    fill_phantoms(&mut net, open);
+    net
+}
+
+/// One step of the net around an irregular corner at `node[1][1]`; `w` is the corner's window after the step.
+fn refine_node(node: &Net<4>, w: &Window) -> Net<5> {
+    let n = node;
+    let mut out = [[P4::ZERO; 5]; 5];
+    let face = |r: usize, c: usize| face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c]);
+    let vertex = |r: usize, c: usize| {
+        vertex_point(std::array::from_fn(|i| {
+            std::array::from_fn(|k| n[r + i - 1][c + k - 1])
+        }))
+    };
+    // Edge points: along a row between columns c and c + 1, along a column between rows r and r + 1.
+    let across = |r: usize, c: usize| edge_point(n[r][c], n[r][c + 1], face(r - 1, c), face(r, c));
+    let along = |r: usize, c: usize| edge_point(n[r][c], n[r + 1][c], face(r, c - 1), face(r, c));
+    out[1][1] = w.v;
+    out[1][2] = w.e(0);
+    out[2][2] = w.f(0);
+    out[2][1] = w.e(1);
+    let (left, below) = (w.has(1), w.has(-1));
+    if left {
+        out[2][0] = w.f(1);
+        out[1][0] = w.e(2);
+    }
+    if below {
+        out[0][1] = w.e(-1);
+        out[0][2] = w.f(-1);
+    }
+    out[1][3] = vertex(1, 2);
+    out[3][3] = vertex(2, 2);
+    out[3][1] = vertex(2, 1);
+    out[2][3] = along(1, 2);
+    out[3][2] = across(2, 1);
+    out[1][4] = across(1, 2);
+    out[3][4] = across(2, 2);
+    out[4][1] = along(2, 1);
+    out[4][3] = along(2, 2);
+    out[2][4] = face(1, 2);
+    out[4][2] = face(2, 1);
+    out[4][4] = face(2, 2);
+    out[0][3] = along(0, 2);
+    out[0][4] = face(0, 2);
+    out[3][0] = across(2, 0);
+    out[4][0] = face(2, 0);
+    fill_phantoms(&mut out, [!below, false, false, !left]);
+    out
+}

@@ -1,0 +1,15 @@
+//! Dicing: points and unit normals of the limit surface (or of its control net after N steps) on the grid of each quad, straight from
+//! the quad's ear stencil, at any level from 0 to 10, for any valence and boundary.
+
+mod basis;
+mod edge;
+pub(crate) mod face;
+pub(crate) mod fan_points;
+mod point;
+mod regular;
+#[cfg(test)]
+mod tests;
+mod window;
+
+pub use basis::{MAX_LEVEL, Target};
+pub use face::FacePatch;

@@ -1,0 +1,153 @@
+//! The ring around one corner of a quad, as far as the quad can see it, and its refinement.
+//!
+//! A window holds the sectors `-left … right` of a vertex' ring; sector 0 is the quad's own. One step of Catmull-Clark makes every
+//! new point of the ring from its two neighbouring sectors, so an open end of the window loses one sector per step, and a window of
+//! `1 + steps` sectors to either side is enough for any valence. What the vertex itself becomes is [`FanSeries`](super::fan_points)'s
+//! matter. All formulas are symmetric in the bits (`(a + c) + (b + d)` over opposite corners), so a point of the ring has the same
+//! bits seen from every face around the vertex.
+
+use super::basis::MAX_LEVEL;
+use super::point::P4;
+use crate::topology::{NONE, Topology};
+
+/// Most sectors to either side: one for every step, one for the net, one to spare for the rows opposite an edge.
+const REACH: usize = MAX_LEVEL as usize + 3;
+
+/// Part of a vertex' ring.
+#[derive(Clone, Debug)]
+pub(crate) struct Window {
+    pub(crate) v: P4,
+    edges: [P4; 2 * REACH + 2],
+    faces: [P4; 2 * REACH + 1],
+    /// Sectors present clockwise of the own one.
+    left: i32,
+    right: i32,
+    /// Whether the fan ends there, so that the outermost edge is a boundary.
+    open_left: bool,
+    open_right: bool,
+}
+
+impl Window {
+    pub(crate) const EMPTY: Self = Self {
+        v: P4::ZERO,
+        edges: [P4::ZERO; 2 * REACH + 2],
+        faces: [P4::ZERO; 2 * REACH + 1],
+        left: 0,
+        right: 0,
+        open_left: false,
+        open_right: false,
+    };
+
+    /// Gathers `reach` sectors to either side of half-edge `h`, fewer at a boundary.
+    pub(crate) fn gather(&mut self, t: &Topology, points: &[[f32; 3]], h: u32, reach: usize) {
+        let at = |g: u32| P4::new(points[t.vertex(g) as usize]);
+        let reach = reach.min(REACH);
+        self.v = at(h);
+        let mut put = |i: i32, g: u32| {
+            let next = t.next(g);
+            self.edges[(REACH as i32 + i) as usize] = at(next);
+            self.faces[(REACH as i32 + i) as usize] = at(t.next(next));
+        };
+        put(0, h);
+        let (mut last, mut right) = (h, 0);
+        self.open_right = false;
+        while right < reach as i32 {
+            let g = t.rotate(last);
+            if g == NONE {
+                self.open_right = true;
+                break;
+            }
+            right += 1;
+            put(right, g);
+            last = g;
+        }
+        let (mut first, mut left) = (h, 0);
+        self.open_left = false;
+        while left < reach as i32 {
+            let g = t.rotate_back(first);
+            if g == NONE {
+                self.open_left = true;
+                break;
+            }
+            left += 1;
+            put(-left, g);
+            first = g;
+        }
+        self.edges[(REACH as i32 + right + 1) as usize] = at(t.prev(last));
+        (self.left, self.right) = (left, right);
+    }
+
+    /// Ring edge `i`; present for `-left ≤ i ≤ right + 1`.
+    #[inline]
+    pub(crate) fn e(&self, i: i32) -> P4 {
+        debug_assert!(
+            -self.left <= i && i <= self.right + 1,
+            "edge {i} outside {}…{}",
+            -self.left,
+            self.right + 1
+        );
+        self.edges[(REACH as i32 + i) as usize]
+    }
+    /// Face corner `i`; present for `-left ≤ i ≤ right`.
+    #[inline]
+    pub(crate) fn f(&self, i: i32) -> P4 {
+        debug_assert!(
+            self.has(i),
+            "sector {i} outside {}…{}",
+            -self.left,
+            self.right
+        );
+        self.faces[(REACH as i32 + i) as usize]
+    }
+    /// Whether sector `i` is in the window.
+    #[inline]
+    pub(crate) fn has(&self, i: i32) -> bool {
+        -self.left <= i && i <= self.right
+    }
+
+    /// One step of refinement; `v` is what the vertex becomes.
+    pub(crate) fn step(&mut self, v: P4) {
+        let o = REACH as i32;
+        for i in -self.left..=self.right {
+            let k = (o + i) as usize;
+            self.faces[k] = face_point(self.v, self.edges[k], self.faces[k], self.edges[k + 1]);
+        }
+        for i in -self.left + 1..=self.right {
+            let k = (o + i) as usize;
+            self.edges[k] = edge_point(self.v, self.edges[k], self.faces[k - 1], self.faces[k]);
+        }
+        if self.open_left {
+            let k = (o - self.left) as usize;
+            self.edges[k] = (self.v + self.edges[k]) * 0.5;
+        } else {
+            self.left -= 1;
+        }
+        if self.open_right {
+            let k = (o + self.right + 1) as usize;
+            self.edges[k] = (self.v + self.edges[k]) * 0.5;
+        } else {
+            self.right -= 1;
+        }
+        self.v = v;
+    }
+}
+
+/// Centroid of the quad a, b, c, d.
+#[inline(always)]
+pub(crate) fn face_point(a: P4, b: P4, c: P4, d: P4) -> P4 {
+    ((a + c) + (b + d)) * 0.25
+}
+
+/// Smooth edge point of edge a–b between the face points f and g.
+#[inline(always)]
+pub(crate) fn edge_point(a: P4, b: P4, f: P4, g: P4) -> P4 {
+    ((a + b) + (f + g)) * 0.25
+}
+
+/// Smooth point of a valence-4 vertex in the middle of a 3×3 net.
+#[inline(always)]
+pub(crate) fn vertex_point(n: [[P4; 3]; 3]) -> P4 {
+    let corners = (n[0][0] + n[2][2]) + (n[0][2] + n[2][0]);
+    let sides = (n[0][1] + n[2][1]) + (n[1][0] + n[1][2]);
+    (n[1][1] * 36.0 + sides * 6.0 + corners) * (1.0 / 64.0)
+}
