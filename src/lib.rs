@@ -3,5 +3,6 @@
 pub mod mesh;
 pub mod records;
 pub mod scheme;
+pub mod simd;
 
 pub use mesh::Cage;
