@@ -1,6 +1,7 @@
 //! earmark: subdivision surfaces without a GPU, from control cage to finished picture on CPU cores.
 
 pub mod mesh;
+pub mod raster;
 pub mod records;
 pub mod scheme;
 pub mod simd;
