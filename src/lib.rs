@@ -2,8 +2,10 @@
 
 pub mod dice;
 pub mod mesh;
+pub mod raster;
 pub mod records;
 pub mod scheme;
+pub mod simd;
 pub mod topology;
 
 pub use mesh::Cage;

@@ -1,0 +1,211 @@
+//! Micro-quads of up to a few pixels: lanes are 16 quads of a grid row, loaded without gathers. Each lane walks its own small window
+//! of samples; all lanes walk together, so the time per quad hardly depends on where its samples are.
+//!
+//! Edge values are below 2^24 in this size class, so floats hold them exactly: the same integers as in the other paths, without
+//! integer multiplications, which the weaker levels lack. After Fatahalian and others, *Data-parallel rasterization of
+//! micropolygons with defocus and motion blur*, 2009: vectors must run across micropolygons, not within one.
+
+use super::edge::{first_pixel, threshold};
+use super::project::ProjectedBlock;
+use super::samples::sample_positions;
+use super::tile::{Cell, Tile};
+use crate::records::BLOCK_STRIDE;
+use crate::simd::LANES;
+
+/// Largest extent, 1/256 pixel, of a micro-quad of this path; its window is then at most 5 by 5 samples. Larger makes vectors wait
+/// for their largest lane; smaller sends quads to a path that costs more each. Exactness ends at 7 pixels: an extent times an
+/// extent and the window's reach, twice, must stay below 2^24.
+pub(super) const MICRO_EXTENT: i32 = 5 * 256;
+
+/// Sixteen quads: the grid row `j`, columns from `i0`.
+#[derive(Clone, Copy)]
+pub(super) struct Chunk {
+    pub(super) i0: usize,
+    pub(super) j: usize,
+    /// Lanes that are quads to be drawn here, bit by bit.
+    pub(super) live: u32,
+    /// Id of half 0 of the first quad.
+    pub(super) id: u32,
+    /// Send everything to the other paths.
+    pub(super) refuse: bool,
+}
+
+type Floats = [f32; LANES];
+type Ints = [i32; LANES];
+
+/// Draws the micro-quads of a chunk; returns the lanes that touch the tile and are left to other paths, being too large or folded
+/// along the diagonal (where both halves may cover a sample).
+#[inline(always)]
+pub(super) fn chunk<C: Cell>(
+    tile: &mut Tile<C>,
+    block: &ProjectedBlock,
+    chunk: Chunk,
+    tie: i32,
+) -> u32 {
+    let k = chunk.j * BLOCK_STRIDE + chunk.i0;
+    let (upper, lower) = (k..k + LANES, k + BLOCK_STRIDE..k + BLOCK_STRIDE + LANES);
+    let (upper1, lower1) = (
+        k + 1..k + 1 + LANES,
+        k + 1 + BLOCK_STRIDE..k + 1 + BLOCK_STRIDE + LANES,
+    );
+    let (ax, ay) = (&block.x[upper.clone()], &block.y[upper.clone()]);
+    let (bx, by) = (&block.x[upper1.clone()], &block.y[upper1.clone()]);
+    let (cx, cy) = (&block.x[lower1.clone()], &block.y[lower1.clone()]);
+    let (dx, dy) = (&block.x[lower.clone()], &block.y[lower.clone()]);
+
+    // Boxes, and who is of this path.
+    let (left, top) = (tile.x0 * 256, tile.y0 * 256);
+    let (right, bottom) = (left + tile.width * 256, top + tile.height * 256);
+    let mut x_low: Ints = [0; LANES];
+    let mut x_high: Ints = [0; LANES];
+    let mut y_low: Ints = [0; LANES];
+    let mut y_high: Ints = [0; LANES];
+    let (mut touching, mut small) = (0_u32, 0_u32);
+    for l in 0..LANES {
+        let x0 = ax[l].min(bx[l]).min(cx[l].min(dx[l]));
+        let x1 = ax[l].max(bx[l]).max(cx[l].max(dx[l]));
+        let y0 = ay[l].min(by[l]).min(cy[l].min(dy[l]));
+        let y1 = ay[l].max(by[l]).max(cy[l].max(dy[l]));
+        (x_low[l], x_high[l], y_low[l], y_high[l]) = (x0, x1, y0, y1);
+        let touches = (x1 > left) & (x0 < right) & (y1 > top) & (y0 < bottom);
+        let fits = (x1 - x0 <= MICRO_EXTENT) & (y1 - y0 <= MICRO_EXTENT);
+        touching |= u32::from(touches) << l;
+        small |= u32::from(touches & fits) << l;
+    }
+    touching &= chunk.live;
+    small &= chunk.live;
+    if chunk.refuse || small == 0 {
+        return touching;
+    }
+
+    // Edges ab, bc, dc, ad, ac: directions, and thresholds of their signs.
+    let mut ex: [Floats; 5] = [[0.0; LANES]; 5];
+    let mut ey: [Floats; 5] = [[0.0; LANES]; 5];
+    let mut et: [Floats; 5] = [[0.0; LANES]; 5];
+    let mut inverse0: Floats = [0.0; LANES];
+    let mut inverse1: Floats = [0.0; LANES];
+    let mut front: Ints = [0; LANES];
+    let mut folded = 0_u32;
+    for l in 0..LANES {
+        let x = [
+            bx[l] - ax[l],
+            cx[l] - bx[l],
+            cx[l] - dx[l],
+            dx[l] - ax[l],
+            cx[l] - ax[l],
+        ];
+        let y = [
+            by[l] - ay[l],
+            cy[l] - by[l],
+            cy[l] - dy[l],
+            dy[l] - ay[l],
+            cy[l] - ay[l],
+        ];
+        for e in 0..5 {
+            ex[e][l] = x[e] as f32;
+            ey[e][l] = y[e] as f32;
+            et[e][l] = threshold(x[e], y[e], tie) as f32;
+        }
+        let area0 = ex[0][l] * ey[4][l] - ey[0][l] * ex[4][l];
+        let area1 = ex[4][l] * ey[3][l] - ey[4][l] * ex[3][l];
+        inverse0[l] = 1.0 / area0.abs();
+        inverse1[l] = 1.0 / area1.abs();
+        front[l] = i32::from((area0 < 0.0) | (area1 < 0.0));
+        let fold = ((area0 < 0.0) & (area1 > 0.0)) | ((area0 > 0.0) & (area1 < 0.0));
+        folded |= u32::from(fold) << l;
+    }
+    let left_over = touching & !(small & !folded);
+    small &= !folded;
+
+    let (za, zb) = (&block.depth[upper], &block.depth[upper1]);
+    let (zc, zd) = (&block.depth[lower1], &block.depth[lower]);
+    let (tile_right, tile_bottom) = (tile.x0 + tile.width, tile.y0 + tile.height);
+    let stride = tile.stride as i32;
+    for (s, &[ox, oy]) in sample_positions(tile.samples()).iter().enumerate() {
+        // Windows, and the edge values at their first samples.
+        let mut across: Ints = [0; LANES];
+        let mut down: Ints = [0; LANES];
+        let mut base: Ints = [0; LANES];
+        let mut row: [Floats; 5] = [[0.0; LANES]; 5];
+        let (mut most_across, mut most_down) = (0, 0);
+        for l in 0..LANES {
+            let px = first_pixel(x_low[l], ox).max(tile.x0);
+            let py = first_pixel(y_low[l], oy).max(tile.y0);
+            let live = (small >> l) & 1 != 0;
+            let mut nx = first_pixel(x_high[l], ox).min(tile_right) - px;
+            let mut ny = first_pixel(y_high[l], oy).min(tile_bottom) - py;
+            let some = live & (nx > 0) & (ny > 0);
+            nx = if some { nx } else { 0 };
+            ny = if some { ny } else { 0 };
+            (across[l], down[l]) = (nx, ny);
+            most_across = most_across.max(nx);
+            most_down = most_down.max(ny);
+            base[l] = (py - tile.y0) * stride + (px - tile.x0);
+            let (x, y) = (px * 256 + ox, py * 256 + oy);
+            let (xa, ya) = ((x - ax[l]) as f32, (y - ay[l]) as f32);
+            let (xb, yb) = ((x - bx[l]) as f32, (y - by[l]) as f32);
+            let (xd, yd) = ((x - dx[l]) as f32, (y - dy[l]) as f32);
+            row[0][l] = ex[0][l] * ya - ey[0][l] * xa;
+            row[1][l] = ex[1][l] * yb - ey[1][l] * xb;
+            row[2][l] = ex[2][l] * yd - ey[2][l] * xd;
+            row[3][l] = ex[3][l] * ya - ey[3][l] * xa;
+            row[4][l] = ex[4][l] * ya - ey[4][l] * xa;
+        }
+        let plane_at = tile.plane(s);
+        let plane_end = tile.plane(s + 1);
+        for slot_y in 0..most_down {
+            for slot_x in 0..most_across {
+                let step = (slot_x * 256) as f32;
+                let mut depth: Floats = [0.0; LANES];
+                let (mut hits, mut second) = (0_u32, 0_u32);
+                for l in 0..LANES {
+                    let ab = row[0][l] - ey[0][l] * step;
+                    let bc = row[1][l] - ey[1][l] * step;
+                    let dc = row[2][l] - ey[2][l] * step;
+                    let ad = row[3][l] - ey[3][l] * step;
+                    let ac = row[4][l] - ey[4][l] * step;
+                    let p_ab = ab >= et[0][l];
+                    let p_dc = dc >= et[2][l];
+                    let p_ac = ac >= et[4][l];
+                    let half0 = (p_ab == (bc >= et[1][l])) & (p_ab != p_ac);
+                    let half1 = (p_dc == (ad >= et[3][l])) & (p_dc != p_ac);
+                    let here = (slot_x < across[l]) & (slot_y < down[l]);
+                    hits |= u32::from((half0 | half1) & here) << l;
+                    second |= u32::from(!half0) << l;
+                    let w0 = (if half0 { bc } else { dc }).abs();
+                    let w2 = (if half0 { ab } else { ad }).abs();
+                    let z1 = if half0 { zb[l] } else { zd[l] };
+                    let inverse = if half0 { inverse0[l] } else { inverse1[l] };
+                    depth[l] = ((w0 * za[l] + ac.abs() * z1) + w2 * zc[l]) * inverse;
+                }
+                let slot = slot_y * stride + slot_x;
+                let plane = &mut tile.cells[plane_at..plane_end];
+                while hits != 0 {
+                    let l = (hits.trailing_zeros() as usize) & (LANES - 1);
+                    hits &= hits - 1;
+                    let id = chunk.id + 2 * l as u32 + ((second >> l) & 1);
+                    plane[(base[l] + slot) as usize].put(true, depth[l], id, front[l] != 0);
+                }
+            }
+            for l in 0..LANES {
+                for e in 0..5 {
+                    row[e][l] += ex[e][l] * 256.0;
+                }
+            }
+        }
+    }
+    left_over
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_are_exact() {
+        // A lane's samples reach four pixels beyond the first of its own window.
+        let extent = i64::from(MICRO_EXTENT);
+        let reach = extent + 4 * 256;
+        assert!(2 * extent * reach < 1 << 24);
+    }
+}

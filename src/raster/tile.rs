@@ -1,0 +1,215 @@
+//! Tiles of visibility samples. A tile is a rectangle of pixels with one cell per sample; [`Cell`] says what a hit does to it, so
+//! that the same rasteriser writes visibility keys for pictures and counts for tests.
+//!
+//! Cells stand sample plane by sample plane, row by row, and every row ends in an apron of [`APRON`] unused cells, so that vectors
+//! of pixels may overrun the right border unmasked. A tile at its usual size fits the level 2 cache of a core.
+
+use crate::records::SampleId;
+
+/// Unused cells at the end of every row of a tile.
+pub(super) const APRON: usize = 16;
+
+/// Side in pixels of the tiles that frames are cut into. It trades blocks diced twice at tile borders against the cache; it never
+/// changes a pixel.
+#[must_use]
+pub fn tile_side(samples: u32) -> u32 {
+    match samples {
+        0..=1 => 256,
+        2..=4 => 128,
+        _ => 64,
+    }
+}
+
+/// What stands at a sample of a tile.
+pub trait Cell: Copy + Default {
+    /// Takes note of one covered sample, or, where `hit` is false, of none. `front`: the triangle is seen counter-clockwise.
+    fn put(&mut self, hit: bool, depth: f32, id: u32, front: bool);
+}
+
+/// Visibility key: the bits of the depth above the complement of the id; 0 where nothing was drawn.
+///
+/// Depths are positive, so their bits are in the order of their values and the nearest surface has the largest key. Among equal
+/// depths **the lower id wins**. A maximum has no order, so a picture cannot depend on the order of drawing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Key(pub u64);
+
+impl Key {
+    /// Nothing was drawn here.
+    pub const EMPTY: Self = Self(0);
+
+    /// The key of a surface.
+    #[must_use]
+    #[inline(always)]
+    pub const fn new(depth: f32, id: SampleId) -> Self {
+        Self((depth.to_bits() as u64) << 32 | !id.0 as u64)
+    }
+
+    /// Depth of the nearest surface, 0 where there is none.
+    #[must_use]
+    #[inline(always)]
+    pub const fn depth(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    /// Id of the nearest surface.
+    #[must_use]
+    #[inline(always)]
+    pub const fn id(self) -> Option<SampleId> {
+        if self.0 == 0 {
+            None
+        } else {
+            Some(SampleId(!(self.0 as u32)))
+        }
+    }
+}
+
+impl Cell for Key {
+    #[inline(always)]
+    fn put(&mut self, hit: bool, depth: f32, id: u32, _front: bool) {
+        let key = if hit {
+            (depth.to_bits() as u64) << 32 | !id as u64
+        } else {
+            0
+        };
+        // Both are below 2^63; signed order is the one that vectors of 64 bits have an instruction for.
+        if key as i64 > self.0 as i64 {
+            self.0 = key;
+        }
+    }
+}
+
+/// Counts instead of keys: how often a sample is covered. For tests of coverage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Coverage {
+    /// Triangles over the sample.
+    pub hits: i32,
+    /// Triangles seen from the front less those seen from behind: 0 everywhere for a closed surface.
+    pub balance: i32,
+}
+
+impl Cell for Coverage {
+    #[inline(always)]
+    fn put(&mut self, hit: bool, _depth: f32, _id: u32, front: bool) {
+        self.hits += i32::from(hit);
+        self.balance += i32::from(hit & front) - i32::from(hit & !front);
+    }
+}
+
+/// A rectangle of pixels with a cell per sample.
+#[derive(Clone, Debug)]
+pub struct Tile<C = Key> {
+    pub(super) x0: i32,
+    pub(super) y0: i32,
+    pub(super) width: i32,
+    pub(super) height: i32,
+    samples: u32,
+    pub(super) stride: usize,
+    pub(super) cells: Vec<C>,
+}
+
+impl<C: Cell> Tile<C> {
+    /// An empty tile whose upper left pixel is (`x0`, `y0`). Pixels must lie below 16384 in both directions.
+    ///
+    /// # Panics
+    /// A pixel is out of that range, or `samples` is not 1, 4, 8 or 16.
+    #[must_use]
+    pub fn new(x0: u32, y0: u32, width: u32, height: u32, samples: u32) -> Self {
+        let mut tile = Self {
+            x0: 0,
+            y0: 0,
+            width: 0,
+            height: 0,
+            samples,
+            stride: 0,
+            cells: Vec::new(),
+        };
+        tile.place(x0, y0, width, height, samples);
+        tile
+    }
+
+    /// Moves the tile and empties it, keeping its memory.
+    ///
+    /// # Panics
+    /// As [`Tile::new`].
+    pub fn place(&mut self, x0: u32, y0: u32, width: u32, height: u32, samples: u32) {
+        assert!(
+            matches!(samples, 1 | 4 | 8 | 16),
+            "{samples} samples per pixel"
+        );
+        let limit = super::MAX_SCREEN;
+        assert!(
+            x0 <= limit && y0 <= limit && width <= limit - x0 && height <= limit - y0,
+            "tile outside the screen"
+        );
+        (self.x0, self.y0) = (x0 as i32, y0 as i32);
+        (self.width, self.height) = (width as i32, height as i32);
+        self.samples = samples;
+        self.stride = width as usize + APRON;
+        self.cells.clear();
+        self.cells.resize(
+            self.stride * height as usize * samples as usize,
+            C::default(),
+        );
+    }
+
+    /// Empties every cell.
+    pub fn clear(&mut self) {
+        self.cells.fill(C::default());
+    }
+
+    /// Upper left pixel.
+    #[must_use]
+    pub fn origin(&self) -> [u32; 2] {
+        [self.x0 as u32, self.y0 as u32]
+    }
+    /// Pixels across and down.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        [self.width as u32, self.height as u32]
+    }
+    /// Samples per pixel.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Sample `sample` of all pixels of row `y`, which counts from the tile's upper border.
+    #[must_use]
+    #[inline]
+    pub fn row(&self, y: u32, sample: u32) -> &[C] {
+        let at = self.plane(sample as usize) + y as usize * self.stride;
+        &self.cells[at..at + self.width as usize]
+    }
+
+    /// The cell at a sample; `x` and `y` count from the tile's upper left pixel.
+    #[must_use]
+    #[inline]
+    pub fn cell(&self, x: u32, y: u32, sample: u32) -> C {
+        self.row(y, sample)[x as usize]
+    }
+
+    #[inline(always)]
+    pub(super) fn plane(&self, sample: usize) -> usize {
+        sample * self.height as usize * self.stride
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_order_by_depth_then_lower_id() {
+        let key = |depth, id| Key::new(depth, SampleId(id));
+        assert!(key(0.5, 7) > key(0.25, 0));
+        assert!(key(0.5, 3) > key(0.5, 4));
+        assert!(key(f32::MIN_POSITIVE, u32::MAX) > Key::EMPTY);
+        let mut cell = Key::EMPTY;
+        for (depth, id) in [(0.5, 9), (0.5, 2), (0.25, 1), (0.5, 5)] {
+            cell.put(true, depth, id, true);
+        }
+        cell.put(false, 9.0, 0, true);
+        assert_eq!((cell.depth(), cell.id()), (0.5, Some(SampleId(2))));
+        assert_eq!(Key::EMPTY.id(), None);
+    }
+}

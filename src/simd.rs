@@ -1,0 +1,241 @@
+//! Levels of vector instructions and the way a kernel is compiled for each: the only file that knows widths and features.
+//!
+//! A kernel is one text: an `#[inline(always)]` function of plain loops over lane arrays, which the compiler vectorises.
+//! [`dispatch!`](crate::dispatch) compiles it once per level, inside a function with that level's instructions enabled, and calls
+//! the one chosen at run time. No level enables fused multiply-add, and a loop over lanes never sums across them, so every level
+//! gives the same bits.
+//!
+//! What vectorises well: loops whose trip count is not a small constant, over slices cut to equal length beforehand
+//! (`let x = &x[..n];`), with `if`-expressions that select values in place of branches that skip work.
+//!
+//! ```
+//! use earmark::simd::Level;
+//!
+//! #[inline(always)]
+//! fn halve(x: &mut [f32]) {
+//!     for v in x {
+//!         *v *= 0.5;
+//!     }
+//! }
+//!
+//! let mut x = [3.0; 40];
+//! earmark::dispatch!(Level::detect(), halve(&mut x));
+//! assert_eq!(x, [1.5; 40]);
+//! ```
+
+use std::fmt;
+
+/// Most lanes of any level: kernels pad their loops to multiples of it.
+pub const LANES: usize = 16;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(
+    not(any(target_arch = "x86_64", target_arch = "aarch64")),
+    expect(dead_code, reason = "such machines have the scalar level only")
+)]
+enum Kind {
+    Scalar,
+    #[cfg(target_arch = "x86_64")]
+    Sse2,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+    #[cfg(target_arch = "aarch64")]
+    Neon,
+}
+
+/// A set of vector instructions that this machine has. Values come from [`Level::detect`], [`Level::available`] and
+/// [`Level::from_name`] only, so holding one proves that its instructions can be executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Level(Kind);
+
+/// A level that is unknown or that this machine lacks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LevelError {
+    name: String,
+}
+
+impl fmt::Display for LevelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "no SIMD level {:?} on this machine; it has:", self.name)?;
+        for level in Level::available() {
+            write!(f, " {}", level.name())?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for LevelError {}
+
+impl Level {
+    /// The level without instructions beyond those that the target always has.
+    pub const SCALAR: Self = Self(Kind::Scalar);
+
+    /// The levels of this machine, weakest first; never empty.
+    #[must_use]
+    pub fn available() -> Vec<Self> {
+        let mut levels = vec![Self::SCALAR];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("sse2") {
+                levels.push(Self(Kind::Sse2));
+            }
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
+            if avx2 {
+                levels.push(Self(Kind::Avx2));
+            }
+            if avx2
+                && is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+            {
+                levels.push(Self(Kind::Avx512));
+            }
+        }
+        #[cfg(target_arch = "aarch64")]
+        if std::arch::is_aarch64_feature_detected!("neon") {
+            levels.push(Self(Kind::Neon));
+        }
+        levels
+    }
+
+    /// The strongest level of this machine.
+    #[must_use]
+    pub fn detect() -> Self {
+        Self::available().last().copied().unwrap_or(Self::SCALAR)
+    }
+
+    /// The level called `name`: `auto` (the strongest), `scalar`, `sse2`, `avx2`, `avx512` or `neon`.
+    ///
+    /// # Errors
+    /// The name is unknown, or this machine lacks the level.
+    pub fn from_name(name: &str) -> Result<Self, LevelError> {
+        if name == "auto" {
+            return Ok(Self::detect());
+        }
+        Self::available()
+            .into_iter()
+            .find(|level| level.name() == name)
+            .ok_or_else(|| LevelError { name: name.into() })
+    }
+
+    /// The name that [`Level::from_name`] takes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Kind::Scalar => "scalar",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sse2 => "sse2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => "avx512",
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => "neon",
+        }
+    }
+
+    /// Calls `f` inside a function that has this level's instructions enabled. `f` must be `#[inline(always)]`, or it is
+    /// compiled without them (correct, but slow): use [`dispatch!`](crate::dispatch), which sees to it.
+    #[inline]
+    #[expect(
+        unsafe_code,
+        reason = "entering a function with more instructions enabled than its caller"
+    )]
+    pub fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        match self.0 {
+            Kind::Scalar => f(),
+            // SAFETY: a `Level` of this kind is only made by `available`, after asking the processor for these features.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sse2 => unsafe { sse2(f) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => unsafe { avx2(f) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => unsafe { avx512(f) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon => unsafe { neon(f) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "sse2")]
+fn sse2<R>(f: impl FnOnce() -> R) -> R {
+    f()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn avx2<R>(f: impl FnOnce() -> R) -> R {
+    f()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512dq,avx512vl")]
+fn avx512<R>(f: impl FnOnce() -> R) -> R {
+    f()
+}
+
+#[cfg(target_arch = "aarch64")]
+#[target_feature(enable = "neon")]
+fn neon<R>(f: impl FnOnce() -> R) -> R {
+    f()
+}
+
+/// `dispatch!(level, kernel(a, b))`: evaluates the call with the instructions of `level` enabled. `kernel` must be an
+/// `#[inline(always)]` function: its whole body, and what it inlines, is then compiled once per level.
+#[macro_export]
+macro_rules! dispatch {
+    ($level:expr, $call:expr) => {
+        $crate::simd::Level::run(
+            $level,
+            #[inline(always)]
+            || $call,
+        )
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_round_trip() {
+        let levels = Level::available();
+        assert_eq!(levels[0], Level::SCALAR);
+        for &level in &levels {
+            assert_eq!(Level::from_name(level.name()), Ok(level));
+        }
+        assert_eq!(Level::from_name("auto"), Ok(Level::detect()));
+        let error = Level::from_name("avx1024").unwrap_err().to_string();
+        assert!(error.contains("avx1024") && error.contains("scalar"));
+    }
+
+    #[inline(always)]
+    fn horner(x: &[f32], out: &mut [f32]) {
+        for (o, &v) in out.iter_mut().zip(x) {
+            *o = ((v * 0.1 + 0.7) * v + 0.3) / (v + 1.5);
+        }
+    }
+
+    #[test]
+    fn levels_agree() {
+        let x: Vec<f32> = (0..1000).map(|i| i as f32 * 0.37).collect();
+        let mut want = vec![0.0; x.len()];
+        horner(&x, &mut want);
+        for level in Level::available() {
+            let mut got = vec![0.0; x.len()];
+            crate::dispatch!(level, horner(&x, &mut got));
+            assert_eq!(got, want, "{}", level.name());
+        }
+    }
+}
