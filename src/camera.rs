@@ -513,10 +513,7 @@ impl View {
             (crate::math::add(self.eye, side), self.forward)
         } else {
             let d = crate::math::add(self.forward, side);
-            (
-                self.eye,
-                crate::math::normalize(d).unwrap_or(self.forward),
-            )
+            (self.eye, crate::math::normalize(d).unwrap_or(self.forward))
         }
     }
 

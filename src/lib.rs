@@ -6,5 +6,7 @@ pub mod math;
 pub mod mesh;
 pub mod records;
 pub mod scheme;
+pub mod shade;
+pub mod texture;
 
 pub use mesh::Cage;

@@ -56,7 +56,24 @@ pub fn length(a: [f32; 3]) -> f32 {
 #[inline]
 pub fn normalize(a: [f32; 3]) -> Option<[f32; 3]> {
     let d = dot(a, a);
-    (d >= f32::MIN_POSITIVE && d <= f32::MAX).then(|| scale(a, 1.0 / d.sqrt()))
+    (f32::MIN_POSITIVE..=f32::MAX)
+        .contains(&d)
+        .then(|| scale(a, 1.0 / d.sqrt()))
+}
+
+/// The number, or 0 where it is negative or NaN. One instruction where `f32::max` takes three.
+#[must_use]
+#[inline(always)]
+pub fn positive(x: f32) -> f32 {
+    if x > 0.0 { x } else { 0.0 }
+}
+
+/// The number brought to the range from 0 to 1; NaN gives 0.
+#[must_use]
+#[inline(always)]
+pub fn saturate(x: f32) -> f32 {
+    let x = positive(x);
+    if x < 1.0 { x } else { 1.0 }
 }
 
 /// Binary logarithm of a positive normal number, within 0.01, from the bits and a parabola: the same on every machine, and a
@@ -85,10 +102,7 @@ mod tests {
         assert_eq!(cross([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0, 1.0]);
         assert_eq!(dot([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]), 32.0);
         assert_eq!(length([2.0, 3.0, 6.0]), 7.0);
-        assert_eq!(
-            add(sub([1.0; 3], [2.0; 3]), scale([1.0; 3], 3.0)),
-            [2.0; 3]
-        );
+        assert_eq!(add(sub([1.0; 3], [2.0; 3]), scale([1.0; 3], 3.0)), [2.0; 3]);
     }
 
     #[test]
@@ -100,12 +114,31 @@ mod tests {
     }
 
     #[test]
+    fn saturate_brings_everything_into_range() {
+        for (x, y) in [
+            (-1.0, 0.0),
+            (0.25, 0.25),
+            (2.0, 1.0),
+            (f32::NAN, 0.0),
+            (f32::INFINITY, 1.0),
+            (f32::NEG_INFINITY, 0.0),
+        ] {
+            assert_eq!(saturate(x), y, "{x}");
+        }
+        assert_eq!(positive(f32::NAN), 0.0);
+        assert_eq!(positive(3.0), 3.0);
+    }
+
+    #[test]
     fn log2_is_close_and_monotone() {
         let mut last = f32::NEG_INFINITY;
         for i in 1..20_000 {
             let x = i as f32 * 0.01;
             let l = log2_rough(x);
-            assert!((f64::from(l) - libm::log2(f64::from(x))).abs() < 0.01, "{x}");
+            assert!(
+                (f64::from(l) - libm::log2(f64::from(x))).abs() < 0.01,
+                "{x}"
+            );
             assert!(l >= last);
             last = l;
         }

@@ -8,6 +8,7 @@ pub mod png;
 pub mod srgb;
 
 use crate::film::srgb::{Srgb, quantize};
+use crate::math::positive;
 
 /// Why a picture cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -156,7 +157,7 @@ impl Film {
         if color[3] <= 0.0 {
             return self.empty;
         }
-        let rest = (1.0 - color[3]).max(0.0);
+        let rest = positive(1.0 - color[3]);
         let mut over = color;
         for (c, b) in over.iter_mut().zip(self.background) {
             *c += b * rest;
@@ -250,9 +251,9 @@ mod tests {
     #[test]
     fn translucent_background_and_sample_add_their_alpha() {
         let film = Film::new(Encoding::Raw, [0, 0, 255, 128]);
-        // Half red over half blue: alpha 3/4, two thirds red.
+        // Half red over half blue (128/255): alpha 191.5/255, two thirds red.
         let p = film.pixel([0.5, 0.0, 0.0, 0.5]);
-        assert_eq!(p, [170, 0, 85, 191]);
+        assert_eq!(p, [170, 0, 85, 192]);
         assert_eq!(film.empty(), [0, 0, 255, 128]);
     }
 

@@ -85,8 +85,10 @@ impl Srgb {
     #[must_use]
     #[inline]
     pub fn encode(&self, x: f32) -> u8 {
-        // `max` first: it turns NaN into the lower end.
-        let x = x.max(f32::from_bits(SMALLEST)).min(1.0);
+        let low = f32::from_bits(SMALLEST);
+        // Written so that NaN goes to the lower end.
+        let x = if x > low { x } else { low };
+        let x = if x < 1.0 { x } else { 1.0 };
         let i = (x.to_bits() - SMALLEST) >> SHIFT;
         let code = self.codes[i as usize];
         code + u8::from(x >= self.steps[usize::from(code)])
@@ -113,7 +115,7 @@ impl Srgb {
 #[must_use]
 #[inline]
 pub fn quantize(x: f32) -> u8 {
-    (x.max(0.0).min(1.0) * 255.0 + 0.5) as u8
+    (crate::math::saturate(x) * 255.0 + 0.5) as u8
 }
 
 #[cfg(test)]
