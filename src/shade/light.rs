@@ -1,0 +1,169 @@
+//! The studio: three lights and a soft surround, fixed to the camera, and how a matt surface answers them.
+//!
+//! A key light from the upper left models the form, a weak cool fill from the right opens the shadow, a rim light from behind
+//! separates the silhouette from any background; above and below a surround of two colours. The diffuse answer is wrapped
+//! around the terminator, so that form shadows have no hard line, the highlight is a broad Blinn lobe, and a shoulder keeps
+//! everything below white. All light is linear.
+//!
+//! The arithmetic is one straight line without branches, in [`LightRig::light`]: the loop over many points in
+//! [`super::Shader::shade_all`] becomes vector code, and gives the same bits as one point at a time.
+
+use crate::camera::View;
+use crate::math::{DVec3, dot, positive, round3};
+
+/// A lamp: where its light comes from and what it adds.
+#[derive(Clone, Copy, Debug)]
+struct Lamp {
+    /// Unit vector to the lamp, model space.
+    toward: [f32; 3],
+    /// Linear colour times strength.
+    color: [f32; 3],
+}
+
+/// Directions are in camera axes: right, up, towards the eye.
+const KEY: ([f64; 3], [f32; 3]) = ([-0.50, 0.62, 0.60], [0.98, 0.94, 0.88]);
+const FILL: ([f64; 3], [f32; 3]) = ([0.85, 0.05, 0.52], [0.13, 0.15, 0.18]);
+const RIM: ([f64; 3], [f32; 3]) = ([0.45, 0.60, -0.66], [0.42, 0.44, 0.47]);
+const SKY: [f32; 3] = [0.20, 0.21, 0.23];
+const GROUND: [f32; 3] = [0.085, 0.078, 0.070];
+/// How far light reaches around the terminator: 0 is Lambert's hard one, 1 leaves no dark side.
+const WRAP: f32 = 0.3;
+/// Reflectance at normal incidence and weight of the highlight; larger looks like plastic.
+const GLOSS: f32 = 0.05;
+/// Where the shoulder begins: below, light is shown as it is; above, it approaches 1 and never arrives.
+const KNEE: f32 = 0.62;
+
+/// The lights of a view, in model space.
+#[derive(Clone, Copy, Debug)]
+pub struct LightRig {
+    key: Lamp,
+    fill: Lamp,
+    rim: Lamp,
+    up: [f32; 3],
+}
+
+impl LightRig {
+    /// The lights for a camera.
+    #[must_use]
+    pub fn new(view: &View) -> Self {
+        let axis = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        let (right, up, back) = (axis(view.right), axis(view.up), -axis(view.forward));
+        let lamp = |(d, color): ([f64; 3], [f32; 3])| {
+            let v = right * d[0] + up * d[1] + back * d[2];
+            Lamp {
+                toward: round3(v / v.length()),
+                color,
+            }
+        };
+        Self {
+            key: lamp(KEY),
+            fill: lamp(FILL),
+            rim: lamp(RIM),
+            up: view.up,
+        }
+    }
+
+    /// Light that a surface sends to the eye. `normal`, `geometric` and `to_eye` have any length but a direction; both sides
+    /// of the surface are lit. Every channel of the result is from 0 to 1.
+    #[must_use]
+    #[inline(always)]
+    pub fn light(
+        &self,
+        normal: [f32; 3],
+        geometric: [f32; 3],
+        to_eye: [f32; 3],
+        albedo: [f32; 3],
+    ) -> [f32; 3] {
+        let v = unit(to_eye);
+        // The side seen is the geometry's matter: near the silhouette a limit normal may lean away from the eye.
+        let side = if dot(geometric, v) < 0.0 { -1.0 } else { 1.0 };
+        let n = unit(normal).map(|c| c * side);
+        let facing = positive(dot(n, v));
+
+        let key = wrapped(dot(n, self.key.toward));
+        let fill = wrapped(dot(n, self.fill.toward));
+        let rim_cos = positive(dot(n, self.rim.toward));
+        // The rim light shows where the surface turns away.
+        let edge = 1.0 - facing;
+        let rim = rim_cos * edge * edge;
+        let height = 0.5 + 0.5 * dot(n, self.up);
+
+        // Blinn's lobe with exponent 32, by squaring, and Schlick's rise towards grazing light.
+        let h = unit([0, 1, 2].map(|k| self.key.toward[k] + v[k]));
+        let s2 = positive(dot(n, h));
+        let s2 = s2 * s2;
+        let s4 = s2 * s2;
+        let s8 = s4 * s4;
+        let s16 = s8 * s8;
+        let grazing = 1.0 - positive(dot(v, h));
+        let g2 = grazing * grazing;
+        let fresnel = GLOSS + (1.0 - GLOSS) * g2 * g2 * grazing;
+        let gloss = s16 * s16 * fresnel * 2.2 * key;
+
+        [0, 1, 2].map(|k| {
+            let surround = GROUND[k] + (SKY[k] - GROUND[k]) * height;
+            let diffuse = key * self.key.color[k] + fill * self.fill.color[k] + surround;
+            let sum = albedo[k] * diffuse
+                + rim * self.rim.color[k] * (0.35 + 0.65 * albedo[k])
+                + gloss * self.key.color[k];
+            shoulder(sum)
+        })
+    }
+}
+
+/// Wrapped diffuse light: 1 facing the lamp, smoothly 0 at `-WRAP`.
+#[inline(always)]
+fn wrapped(cosine: f32) -> f32 {
+    let w = positive((cosine + WRAP) * (1.0 / (1.0 + WRAP)));
+    // Between Lambert (linear) and a square: the square alone darkens the middle tones.
+    w * (0.45 + 0.55 * w)
+}
+
+/// The identity up to the knee, then a hyperbola of the same slope that approaches 1. NaN gives 0.
+#[inline(always)]
+fn shoulder(x: f32) -> f32 {
+    let x = positive(x);
+    let x = if x < 1e4 { x } else { 1e4 };
+    let over = positive(x - KNEE) * (1.0 / (1.0 - KNEE));
+    let below = if x < KNEE { x } else { KNEE };
+    below + (1.0 - KNEE) * (over / (1.0 + over))
+}
+
+/// Length 1, without asking whether there is a direction.
+#[inline(always)]
+fn unit(v: [f32; 3]) -> [f32; 3] {
+    let d = dot(v, v);
+    let d = if d > f32::MIN_POSITIVE {
+        d
+    } else {
+        f32::MIN_POSITIVE
+    };
+    let k = 1.0 / d.sqrt();
+    v.map(|c| c * k)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shoulder_is_smooth_and_below_one() {
+        let mut last = -1.0;
+        for i in 0..4000 {
+            let y = shoulder(i as f32 * 0.005);
+            assert!(y > last && y < 1.0);
+            last = y;
+        }
+        assert_eq!(shoulder(0.3), 0.3);
+        assert!((shoulder(KNEE + 1e-3) - KNEE - 1e-3).abs() < 1e-5);
+        assert_eq!(shoulder(f32::NAN), 0.0);
+        assert!(shoulder(f32::INFINITY) <= 1.0);
+    }
+
+    #[test]
+    fn wrapped_light_ends_behind_the_terminator() {
+        assert!((wrapped(1.0) - 1.0).abs() < 1e-6);
+        assert!(wrapped(0.0) > 0.05);
+        assert_eq!(wrapped(-WRAP - 0.01), 0.0);
+    }
+}
