@@ -3,6 +3,8 @@
 pub mod camera;
 pub mod dice;
 pub mod film;
+pub mod frame;
+pub mod limits;
 pub mod math;
 pub mod mesh;
 pub mod raster;
@@ -10,7 +12,11 @@ pub mod records;
 pub mod scheme;
 pub mod shade;
 pub mod simd;
+pub mod surface;
 pub mod texture;
 pub mod topology;
 
+pub use camera::Camera;
+pub use frame::{Renderer, Scene};
 pub use mesh::Cage;
+pub use surface::{Surface, SurfaceOptions};

@@ -319,6 +319,33 @@ fn series(t: &Topology, id: u32, points: &[[f32; 3]]) -> FanSeries {
     }
 }
 
+/// What the point of a fan becomes in one step of a mesh of any polygons; `faces` are its new face points.
+pub(crate) fn step_fan(t: &Topology, id: u32, points: &[[f32; 3]], faces: &[[f32; 3]]) -> [f32; 3] {
+    let fan = t.fans()[id as usize];
+    let v = points[t.fan_vertex(id) as usize];
+    if fan.first == NONE || fan.rule == FanRule::Corner {
+        return v;
+    }
+    let wide = |p: [f32; 3]| p.map(f64::from);
+    let at = |h: u32| wide(points[t.vertex(h) as usize]);
+    let v = wide(v);
+    let mut sum = [0.0; 3];
+    if fan.closed {
+        for h in Ring::of_fan(t, id) {
+            sum = add(
+                sum,
+                add(at(t.next(h)), wide(faces[t.face_of(h) as usize]), 1.0),
+                1.0,
+            );
+        }
+        let n = f64::from(fan.faces);
+        return std::array::from_fn(|c| (((n - 2.0) * v[c] + sum[c] / n) / n) as f32);
+    }
+    let last = Ring::of_fan(t, id).last().unwrap_or(fan.first);
+    let ends = add(at(t.next(fan.first)), at(t.prev(last)), 1.0);
+    std::array::from_fn(|c| (0.75 * v[c] + 0.125 * ends[c]) as f32)
+}
+
 fn refined_fan(t: &Topology, id: u32, points: &[[f32; 3]], steps: u32) -> [f32; 3] {
     if t.fans()[id as usize].first == NONE || steps == 0 {
         return points[t.fan_vertex(id) as usize];

@@ -6,6 +6,7 @@ mod edge;
 pub(crate) mod face;
 pub(crate) mod fan_points;
 mod point;
+pub(crate) mod presplit;
 mod regular;
 #[cfg(test)]
 mod tests;

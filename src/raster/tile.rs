@@ -194,6 +194,17 @@ impl<C: Cell> Tile<C> {
     }
 }
 
+impl Tile<Key> {
+    /// Gives every sample that shows something the id that `f` makes of its own; depths stay.
+    pub fn update_ids(&mut self, mut f: impl FnMut(SampleId) -> SampleId) {
+        for cell in &mut self.cells {
+            if let Some(id) = cell.id() {
+                *cell = Key::new(cell.depth(), f(id));
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -268,7 +268,7 @@ impl Pairing {
 }
 
 /// Finds the first half-edge and the length of the fan of `h`: clockwise to the boundary or once around, then counted.
-fn walk_fan(t: &Topology, h: u32) -> Fan {
+pub(super) fn fan_around(t: &Topology, h: u32) -> Fan {
     let mut first = h;
     let mut smallest = h;
     let closed = loop {
@@ -322,7 +322,7 @@ fn make_fans(
     };
     t.fans = lowest
         .par_iter()
-        .map(|&h| if h == NONE { none } else { walk_fan(t, h) })
+        .map(|&h| if h == NONE { none } else { fan_around(t, h) })
         .collect();
     let split: Vec<u32> = (0..n as u32)
         .filter(|&v| t.fans[v as usize].faces != corners[v as usize])
@@ -400,7 +400,7 @@ fn add_fans(t: &mut Topology, vertices: &[u32]) {
         if !is_split[v as usize] {
             fans[h as usize] = v;
         } else if fans[h as usize] == NONE {
-            let fan = walk_fan(t, h);
+            let fan = fan_around(t, h);
             let id = if first_done[v as usize] {
                 extra.push(v);
                 t.fans.push(fan);

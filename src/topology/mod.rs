@@ -7,6 +7,7 @@
 //! vertex' own number; further fans of a bow-tie or non-manifold vertex are numbered from the vertex count on. All rules work on
 //! fans, so they never meet anything but a disc (closed fan) or a half-disc (open fan).
 
+pub mod channel;
 pub mod connect;
 pub mod ears;
 pub mod one_ring;

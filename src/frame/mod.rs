@@ -1,0 +1,324 @@
+//! A frame: order of stages, tiles over threads, and the level of each model. The only module that sees all others.
+//!
+//! ```text
+//! quads ─ setup ─▶ screen boxes ─ bin ─▶ per tile: dice ▸ project ▸ rasterise ─▶ keys ─ dice again what is seen ▸ shade ─▶ film ─▶ pixels
+//! ```
+//!
+//! Tiles are independent and each is drawn by one thread from its bin, whose items stand in ascending order. So the picture is the
+//! same for any number of threads. No thread waits for another but at the end of a stage.
+
+mod level;
+mod scene;
+mod source;
+mod stats;
+mod tile;
+
+use crate::camera::{Camera, CameraError, Sphere, View};
+use crate::film::{Film, Image};
+use crate::limits::{LimitError, Limits};
+use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, tile_side};
+use crate::records::ScreenSize;
+use crate::shade::{ShadeMode, Shader};
+use crate::simd::Level as SimdLevel;
+use rayon::prelude::*;
+use std::time::Instant;
+
+pub use scene::{Object, Scene};
+pub use source::Drawing;
+pub use stats::{FrameStats, Stage, StageTimes};
+
+use source::{Source, SourceScratch};
+use tile::Scratch;
+
+/// How far surfaces are refined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refinement {
+    /// The same level everywhere, 0 to 10.
+    Uniform(u32),
+    /// Per model, from the length of its edges on the screen, up to a limit.
+    ByEdgeLength {
+        /// Highest level.
+        max_level: u32,
+    },
+}
+
+/// Draws scenes.
+///
+/// ```
+/// use earmark::{Cage, Camera, Renderer, Scene, Surface};
+///
+/// let points = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * b as f32 - 1.0)).collect();
+/// let corners = vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5];
+/// let cage = Cage::new(points, &[4; 6], corners)?;
+/// let scene = Scene::of(Surface::new(cage, &Default::default()));
+/// let frame = Renderer::new(64, 64).render(&scene, &Camera::default())?;
+/// assert_eq!(frame.image.pixel(32, 32)[3], 255);
+/// assert_eq!(frame.image.pixel(0, 0), [0, 0, 0, 0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Renderer {
+    /// Size of the picture and samples per pixel.
+    pub size: ScreenSize,
+    /// How far to refine.
+    pub refinement: Refinement,
+    /// What of the surface is drawn.
+    pub drawing: Drawing,
+    /// What the picture shows.
+    pub mode: ShadeMode,
+    /// Background, sRGB with straight alpha; transparent by default.
+    pub background: [u8; 4],
+    /// Vector instructions; never changes a pixel.
+    pub simd: SimdLevel,
+    /// Whether [`FrameStats::times`] is measured.
+    pub measure: bool,
+    /// Budgets.
+    pub limits: Limits,
+}
+
+/// A finished frame.
+#[derive(Clone, Debug)]
+pub struct Finished {
+    /// The picture.
+    pub image: Image,
+    /// What it took.
+    pub stats: FrameStats,
+    /// The view that the camera came to.
+    pub view: View,
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The camera gives none.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// A budget was reached.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
+    /// Size or samples are not possible.
+    #[error(
+        "pictures are 1 to {MAX_SCREEN} pixels wide and high with 1, 4, 8 or 16 samples; {width}x{height} with {samples} is none"
+    )]
+    Size {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// Samples per pixel.
+        samples: u32,
+    },
+    /// A level above 10.
+    #[error("level {level} is above 10")]
+    Level {
+        /// The level asked for.
+        level: u32,
+    },
+}
+
+/// One picture being drawn: what all tiles read.
+pub(crate) struct Frame<'a> {
+    view: View,
+    size: ScreenSize,
+    grid: TileGrid,
+    bins: Bins,
+    sources: Vec<Source<'a>>,
+    shader: Shader<'a>,
+    film: Film,
+    simd: SimdLevel,
+    wants_uvs: bool,
+}
+
+impl<'a> Frame<'a> {
+    #[inline]
+    fn source_of(&self, item: u32) -> &Source<'a> {
+        let k = self.sources.partition_point(|s| s.first_item <= item);
+        &self.sources[k - 1]
+    }
+}
+
+impl Renderer {
+    /// A renderer with the defaults of the command line: 4 samples, limit surface, lit, transparent background.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            size: ScreenSize {
+                width,
+                height,
+                samples: 4,
+            },
+            refinement: Refinement::ByEdgeLength { max_level: 8 },
+            drawing: Drawing::Limit,
+            mode: ShadeMode::Lit,
+            background: [0; 4],
+            simd: SimdLevel::detect(),
+            measure: false,
+            limits: Limits::default(),
+        }
+    }
+
+    /// Draws `scene` as `camera` sees it. Runs on rayon's current thread pool.
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn render(&self, scene: &Scene, camera: &Camera) -> Result<Finished, RenderError> {
+        self.check_size()?;
+        let sphere = match self.drawing {
+            Drawing::Cage => Sphere::of_points(scene.objects.iter().flat_map(|o| {
+                let cage = o.surface.cage();
+                cage.corner_vertices()
+                    .iter()
+                    .map(|&v| cage.points()[v as usize])
+            })),
+            _ => scene.bounding_sphere(),
+        };
+        let view = camera.framing(&sphere, self.size)?;
+        self.render_view(scene, &view)
+    }
+
+    /// Draws `scene` through a view that is already resolved, for instance that of the frame before.
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn render_view(&self, scene: &Scene, view: &View) -> Result<Finished, RenderError> {
+        self.check_size()?;
+        let levels = self.levels(scene, view)?;
+        let (sources, item_count) = Source::all(scene, self.drawing, &levels);
+        let microtriangles = sources.iter().map(Source::triangles).sum();
+        self.limits.faces(u128::from(microtriangles) / 2)?;
+        self.limits
+            .memory("the picture", self.predicted_bytes(item_count))?;
+        let mut shader = Shader::new(self.mode, view, &scene.materials, &scene.textures);
+        if let Some(material) = scene.default_material {
+            shader = shader.with_default_material(material);
+        }
+        let mut frame = Frame {
+            view: *view,
+            size: self.size,
+            grid: TileGrid::new(self.size, tile_side(self.size.samples)),
+            bins: Bins::default(),
+            sources,
+            shader,
+            film: Film::new(self.mode.encoding(), self.background),
+            simd: self.simd,
+            wants_uvs: self.mode == ShadeMode::Uv || !scene.textures.is_empty(),
+        };
+        let mut stats = FrameStats {
+            faces: scene.face_count() as u64,
+            microtriangles,
+            levels,
+            ..FrameStats::default()
+        };
+        let begin = Instant::now();
+        let boxes = self.setup(&frame, item_count, &mut stats)?;
+        let set_up = Instant::now();
+        frame.bins = Bins::new(&frame.grid, &boxes);
+        drop(boxes);
+        let binned = Instant::now();
+        let image = self.tiles(&frame, &mut stats)?;
+        if self.measure {
+            stats.wall = [set_up - begin, binned - set_up, binned.elapsed()];
+        }
+        Ok(Finished {
+            image,
+            stats,
+            view: *view,
+        })
+    }
+
+    fn check_size(&self) -> Result<(), RenderError> {
+        let ScreenSize {
+            width,
+            height,
+            samples,
+        } = self.size;
+        let fits = |n: u32| (1..=MAX_SCREEN).contains(&n);
+        if fits(width) && fits(height) && matches!(samples, 1 | 4 | 8 | 16) {
+            Ok(())
+        } else {
+            Err(RenderError::Size {
+                width,
+                height,
+                samples,
+            })
+        }
+    }
+
+    /// Bytes that a frame takes beside the scene: boxes and bins of the quads, the picture twice, and the tiles of the threads.
+    fn predicted_bytes(&self, items: u32) -> u128 {
+        let pixels = u128::from(self.size.width) * u128::from(self.size.height);
+        let tile = 16_u128 << 20;
+        pixels * 8 + u128::from(items) * 40 + tile * rayon::current_num_threads() as u128
+    }
+
+    fn levels(&self, scene: &Scene, view: &View) -> Result<Vec<u32>, RenderError> {
+        match self.refinement {
+            Refinement::Uniform(level) if level > crate::dice::MAX_LEVEL => {
+                Err(RenderError::Level { level })
+            }
+            Refinement::Uniform(level) => Ok(vec![level; scene.objects.len()]),
+            Refinement::ByEdgeLength { max_level } => Ok(scene
+                .objects
+                .iter()
+                .map(|o| {
+                    level::by_edge_length(&o.surface, view, max_level.min(crate::dice::MAX_LEVEL))
+                })
+                .collect()),
+        }
+    }
+
+    /// Screen boxes of all items, in parallel.
+    fn setup(
+        &self,
+        frame: &Frame<'_>,
+        item_count: u32,
+        stats: &mut FrameStats,
+    ) -> Result<Vec<Option<PixelBox>>, LimitError> {
+        let begin = Instant::now();
+        let mut boxes = vec![None; item_count as usize];
+        const CHUNK: usize = 1024;
+        boxes.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
+            || (SourceScratch::default(), Vec::new()),
+            |(scratch, hull), (k, chunk)| {
+                self.limits.check()?;
+                for (i, out) in chunk.iter_mut().enumerate() {
+                    let item = (k * CHUNK + i) as u32;
+                    let source = frame.source_of(item);
+                    *out = tile::item_box(frame, source, item - source.first_item, scratch, hull);
+                }
+                Ok(())
+            },
+        )?;
+        let _ = (begin, stats);
+        Ok(boxes)
+    }
+
+    fn tiles(&self, frame: &Frame<'_>, stats: &mut FrameStats) -> Result<Image, LimitError> {
+        let drawn: Vec<(Vec<u8>, u64, StageTimes)> = (0..frame.grid.len())
+            .into_par_iter()
+            .with_max_len(1)
+            .map_init(
+                || Scratch::new(self.size.samples),
+                |scratch, tile| {
+                    self.limits.check()?;
+                    scratch.times = StageTimes::measuring(self.measure);
+                    let mut pixels = Vec::new();
+                    let covered = tile::draw_tile(frame, tile, scratch, &mut pixels);
+                    Ok((pixels, covered, scratch.times))
+                },
+            )
+            .collect::<Result<_, LimitError>>()?;
+        let mut image = Image::new(self.size.width, self.size.height);
+        for (tile, (pixels, covered, times)) in drawn.iter().enumerate() {
+            let [x, y, width, _] = frame.grid.rect(tile);
+            for (row, line) in pixels.chunks_exact(width as usize * 4).enumerate() {
+                let at = ((y as usize + row) * self.size.width as usize + x as usize) * 4;
+                image.data[at..at + line.len()].copy_from_slice(line);
+            }
+            stats.pixels_covered += covered;
+            stats.times.add(times);
+        }
+        Ok(image)
+    }
+}

@@ -1,0 +1,90 @@
+//! What is drawn: surfaces with their materials, and the textures they share.
+
+use crate::camera::Sphere;
+use crate::shade::{NO_MATERIAL, SurfaceMaterial};
+use crate::surface::Surface;
+use crate::texture::Texture;
+
+/// One model of a scene.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Its surface.
+    pub surface: Surface,
+    /// First of its materials in the scene's list; face materials of the cage count from there.
+    pub first_material: u32,
+}
+
+/// Models, materials and textures.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// The models; faces are numbered through in this order.
+    pub objects: Vec<Object>,
+    /// Materials of all models.
+    pub materials: Vec<SurfaceMaterial>,
+    /// Textures of all materials.
+    pub textures: Vec<Texture>,
+    /// Material of faces that have none; clay, or white under vertex colours or a texture given apart.
+    pub default_material: Option<SurfaceMaterial>,
+}
+
+impl Scene {
+    /// A scene of one surface. Its materials get their colours, no textures.
+    #[must_use]
+    pub fn of(surface: Surface) -> Self {
+        let mut scene = Self::default();
+        scene.add(surface, |_| (None, None));
+        scene
+    }
+
+    /// Adds a surface; `maps` gives, for each of its materials, the indices of colour and opacity texture in
+    /// [`Scene::textures`].
+    pub fn add(
+        &mut self,
+        surface: Surface,
+        mut maps: impl FnMut(&crate::mesh::Material) -> (Option<u32>, Option<u32>),
+    ) {
+        let first_material = self.materials.len() as u32;
+        for m in surface.cage().materials() {
+            let (diffuse, opacity) = maps(m);
+            self.materials.push(SurfaceMaterial::from_mtl(
+                m.diffuse, m.opacity, diffuse, opacity,
+            ));
+        }
+        self.objects.push(Object {
+            surface,
+            first_material,
+        });
+    }
+
+    /// A sphere around the limit points of all models, for framing.
+    #[must_use]
+    pub fn bounding_sphere(&self) -> Sphere {
+        Sphere::of_points(self.objects.iter().flat_map(|o| {
+            let quads = o.surface.quads();
+            let drawn = move |h: &u32| !quads.is_hole(quads.face_of(*h));
+            (0..quads.half_count() as u32)
+                .filter(drawn)
+                .map(move |h| o.surface.fan_limit(quads.fan(h)).0)
+        }))
+    }
+
+    /// Faces of all cages.
+    #[must_use]
+    pub fn face_count(&self) -> usize {
+        self.objects
+            .iter()
+            .map(|o| o.surface.cage().face_count())
+            .sum()
+    }
+}
+
+impl Object {
+    /// Material of a face of the cage, as an index into the scene's list.
+    #[must_use]
+    pub fn material(&self, face: u32) -> u32 {
+        match self.surface.cage().face_materials.get(face as usize) {
+            Some(&m) if m != crate::mesh::NONE => self.first_material + m,
+            _ => NO_MATERIAL,
+        }
+    }
+}

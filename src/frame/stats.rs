@@ -1,0 +1,106 @@
+//! Where the time of a frame goes, by stage.
+
+use std::time::{Duration, Instant};
+
+/// A stage of the frame; the names are those of the modules.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stage {
+    /// Hulls and screen boxes.
+    Setup,
+    /// Bins of tiles.
+    Bin,
+    /// Points, normals and texture coordinates of blocks.
+    Dice,
+    /// Projection, coverage and depth.
+    Tile,
+    /// Colours of samples.
+    Shade,
+    /// Samples to pixels.
+    Film,
+}
+
+impl Stage {
+    /// All stages, in the order of the frame.
+    pub const ALL: [Self; 6] = [
+        Self::Setup,
+        Self::Bin,
+        Self::Dice,
+        Self::Tile,
+        Self::Shade,
+        Self::Film,
+    ];
+
+    /// Its name, as in `--stats`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Setup => "setup",
+            Self::Bin => "bin",
+            Self::Dice => "dice",
+            Self::Tile => "tile",
+            Self::Shade => "shade",
+            Self::Film => "film",
+        }
+    }
+}
+
+/// Time per stage, summed over what one thread did. Measures nothing unless switched on.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StageTimes {
+    pub(super) on: bool,
+    total: [Duration; Stage::ALL.len()],
+}
+
+impl StageTimes {
+    pub(super) fn measuring(on: bool) -> Self {
+        Self {
+            on,
+            ..Self::default()
+        }
+    }
+    #[inline]
+    pub(super) fn start(&self) -> Option<Instant> {
+        self.on.then(Instant::now)
+    }
+    #[inline]
+    pub(super) fn stop(&mut self, stage: Stage, clock: Option<Instant>) {
+        if let Some(begin) = clock {
+            self.total[stage as usize] += begin.elapsed();
+        }
+    }
+    /// Ends one stage and begins the next.
+    #[inline]
+    pub(super) fn lap(&mut self, stage: Stage, clock: Option<Instant>) -> Option<Instant> {
+        let begin = clock?;
+        let now = Instant::now();
+        self.total[stage as usize] += now - begin;
+        Some(now)
+    }
+    pub(super) fn add(&mut self, other: &Self) {
+        for (a, b) in self.total.iter_mut().zip(&other.total) {
+            *a += *b;
+        }
+    }
+    /// Time spent in a stage, summed over threads.
+    #[must_use]
+    pub fn get(&self, stage: Stage) -> Duration {
+        self.total[stage as usize]
+    }
+}
+
+/// What a frame did.
+#[derive(Clone, Debug, Default)]
+pub struct FrameStats {
+    /// Faces of the cages.
+    pub faces: u64,
+    /// Micro-triangles of all faces drawn.
+    pub microtriangles: u64,
+    /// Pixels with something in them.
+    pub pixels_covered: u64,
+    /// Level of each object.
+    pub levels: Vec<u32>,
+    /// Time per stage summed over threads; zero unless asked for.
+    pub times: StageTimes,
+    /// Wall time of set-up, bins, and tiles; zero unless asked for.
+    pub wall: [Duration; 3],
+}

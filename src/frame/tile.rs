@@ -1,0 +1,384 @@
+//! One tile of a picture from start to end: dice and rasterise the blocks of its bin, then dice again those that are seen and shade
+//! their samples, then resolve. Nothing but the tile's pixels leaves it.
+
+use super::Frame;
+use super::source::{Source, SourceScratch};
+use super::stats::{Stage, StageTimes};
+use crate::film::PixelSum;
+use crate::raster::{
+    Key, PixelBox, ProjectedBlock, Tile, barycentrics, bounds, draw_block, project,
+};
+use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
+use crate::shade::SurfacePoint;
+
+/// A block that was drawn into the tile; its place in the list is its rank.
+#[derive(Clone, Copy)]
+struct Drawn {
+    item: u32,
+    block: [u32; 2],
+}
+
+/// Buffers of one thread, used for tile after tile.
+pub(super) struct Scratch {
+    tile: Tile<Key>,
+    source: SourceScratch,
+    points: Box<Grid3>,
+    normals: Box<Grid3>,
+    uvs: Box<Grid3>,
+    footprint: Vec<f32>,
+    projected: Box<ProjectedBlock>,
+    hull: Vec<[f32; 3]>,
+    drawn: Vec<Drawn>,
+    starts: Vec<u32>,
+    order: Vec<u32>,
+    surface: Vec<SurfacePoint>,
+    shaded: Vec<[f32; 4]>,
+    colors: Vec<[f32; 4]>,
+    pub(super) times: StageTimes,
+}
+
+impl Scratch {
+    pub(super) fn new(samples: u32) -> Self {
+        Self {
+            tile: Tile::new(0, 0, 0, 0, samples),
+            source: SourceScratch::default(),
+            points: Grid3::boxed(),
+            normals: Grid3::boxed(),
+            uvs: Grid3::boxed(),
+            footprint: Vec::new(),
+            projected: ProjectedBlock::boxed(),
+            hull: Vec::new(),
+            drawn: Vec::new(),
+            starts: Vec::new(),
+            order: Vec::new(),
+            surface: Vec::new(),
+            shaded: Vec::new(),
+            colors: Vec::new(),
+            times: StageTimes::default(),
+        }
+    }
+}
+
+/// Whether a box touches a rectangle of pixels.
+fn touches(b: &PixelBox, [x, y, width, height]: [u32; 4]) -> bool {
+    b.low[0] < x + width && b.high[0] > x && b.low[1] < y + height && b.high[1] > y
+}
+
+/// Hull of a local item on the screen.
+pub(super) fn item_box(
+    frame: &Frame<'_>,
+    source: &Source<'_>,
+    item: u32,
+    scratch: &mut SourceScratch,
+    hull: &mut Vec<[f32; 3]>,
+) -> Option<PixelBox> {
+    if !source.is_drawn(item) {
+        return None;
+    }
+    source.hull(scratch, item, hull);
+    bounds(hull, &frame.view.projection, frame.size)
+}
+
+/// Draws one tile; `pixels` gets its RGBA8 rows. Returns the number of pixels with something in them.
+pub(super) fn draw_tile(
+    frame: &Frame<'_>,
+    tile: usize,
+    scratch: &mut Scratch,
+    pixels: &mut Vec<u8>,
+) -> u64 {
+    let rect = frame.grid.rect(tile);
+    pixels.clear();
+    let items = frame.bins.items(tile);
+    if items.is_empty() {
+        let empty = frame.film.empty();
+        pixels.extend((0..rect[2] as usize * rect[3] as usize).flat_map(|_| empty));
+        return 0;
+    }
+    scratch
+        .tile
+        .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);
+    scratch.drawn.clear();
+    for &item in items {
+        draw_item(frame, item, rect, scratch);
+    }
+    gather_samples(scratch);
+    shade_samples(frame, scratch);
+    let clock = scratch.times.start();
+    let covered = resolve(frame, rect, scratch, pixels);
+    scratch.times.stop(Stage::Film, clock);
+    covered
+}
+
+fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
+    let source = frame.source_of(item);
+    let local = item - source.first_item;
+    let size = source.block_size();
+    let [nu, nv] = source.blocks(local);
+    for bv in 0..nv {
+        for bu in 0..nu {
+            let clock = s.times.start();
+            if nu * nv > 1 {
+                source.block_hull(&mut s.source, local, [bu, bv], &mut s.hull);
+                let seen = bounds(&s.hull, &frame.view.projection, frame.size)
+                    .is_some_and(|b| touches(&b, rect));
+                if !seen {
+                    s.times.stop(Stage::Setup, clock);
+                    continue;
+                }
+            }
+            source.dice(&mut s.source, local, [bu, bv], &mut s.points, None);
+            let clock = s.times.lap(Stage::Dice, clock);
+            project(
+                frame.simd,
+                &s.points,
+                size,
+                &frame.view.projection,
+                &mut s.projected,
+            );
+            let rank = next_rank(s);
+            draw_block(frame.simd, &mut s.tile, &s.projected, rank);
+            s.drawn.push(Drawn {
+                item,
+                block: [bu, bv],
+            });
+            s.times.stop(Stage::Tile, clock);
+        }
+    }
+}
+
+/// Rank of the next block. When the ranks run out, those of blocks of which nothing is left are given up; the others keep their order.
+fn next_rank(s: &mut Scratch) -> u32 {
+    if s.drawn.len() < SampleId::MAX_BLOCKS as usize {
+        return s.drawn.len() as u32;
+    }
+    let mut alive = vec![false; s.drawn.len()];
+    s.tile.update_ids(|id| {
+        alive[id.rank() as usize] = true;
+        id
+    });
+    let mut ranks = vec![0_u32; s.drawn.len()];
+    let mut kept = 0;
+    for (rank, &alive) in alive.iter().enumerate() {
+        ranks[rank] = kept;
+        if alive {
+            s.drawn[kept as usize] = s.drawn[rank];
+            kept += 1;
+        }
+    }
+    s.drawn.truncate(kept as usize);
+    s.tile
+        .update_ids(|id| SampleId::new(ranks[id.rank() as usize], id.col(), id.row(), id.half()));
+    kept
+}
+
+/// Sorts the tile's visible samples by block: `order[starts[r]..starts[r + 1]]` are those of rank `r`, by counting.
+fn gather_samples(s: &mut Scratch) {
+    let [width, height] = s.tile.size();
+    let samples = s.tile.samples();
+    s.starts.clear();
+    s.starts.resize(s.drawn.len() + 2, 0);
+    let mut count = 0_usize;
+    for sample in 0..samples {
+        for y in 0..height {
+            for key in s.tile.row(y, sample) {
+                if let Some(id) = key.id() {
+                    s.starts[id.rank() as usize + 2] += 1;
+                    count += 1;
+                }
+            }
+        }
+    }
+    for r in 2..s.starts.len() {
+        s.starts[r] += s.starts[r - 1];
+    }
+    s.order.clear();
+    s.order.resize(count, 0);
+    for sample in 0..samples {
+        for y in 0..height {
+            for (x, key) in s.tile.row(y, sample).iter().enumerate() {
+                if let Some(id) = key.id() {
+                    let slot = &mut s.starts[id.rank() as usize + 1];
+                    s.order[*slot as usize] = (sample * height + y) * width + x as u32;
+                    *slot += 1;
+                }
+            }
+        }
+    }
+}
+
+fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
+    let [width, height] = s.tile.size();
+    s.colors.clear();
+    s.colors
+        .resize((width * height * s.tile.samples()) as usize, [0.0; 4]);
+    for rank in 0..s.drawn.len() {
+        let range = s.starts[rank] as usize..s.starts[rank + 1] as usize;
+        if range.is_empty() {
+            continue;
+        }
+        let clock = s.times.start();
+        let Drawn { item, block } = s.drawn[rank];
+        let source = frame.source_of(item);
+        let local = item - source.first_item;
+        let size = source.block_size();
+        let has_uvs = source.dice(
+            &mut s.source,
+            local,
+            block,
+            &mut s.points,
+            Some((&mut s.normals, &mut s.uvs)),
+        );
+        project(
+            frame.simd,
+            &s.points,
+            size,
+            &frame.view.projection,
+            &mut s.projected,
+        );
+        let has_uvs = has_uvs && frame.wants_uvs;
+        if has_uvs {
+            footprints(&s.projected, &s.uvs, size, &mut s.footprint);
+        }
+        let clock = s.times.lap(Stage::Dice, clock);
+        let face = source.cage_face(local);
+        let colors = source.object.surface.cage().colors();
+        let template = SurfacePoint {
+            face: source.first_face + face,
+            level: source.level,
+            material: source.object.material(face),
+            ..SurfacePoint::default()
+        };
+        let _ = colors;
+        s.surface.clear();
+        let [x0, y0] = s.tile.origin();
+        for &at in &s.order[range.clone()] {
+            let (x, rest) = (at % width, at / width);
+            let (y, sample) = (rest % height, rest / height);
+            let Some(id) = s.tile.cell(x, y, sample).id() else {
+                continue;
+            };
+            let weights =
+                barycentrics(&s.projected, id, x0 + x, y0 + y, sample, frame.size.samples);
+            s.surface.push(surface_point(
+                frame,
+                s_grids(&s.points, &s.normals, &s.uvs, &s.footprint),
+                id,
+                weights,
+                has_uvs,
+                template,
+            ));
+        }
+        s.shaded.clear();
+        s.shaded.resize(s.surface.len(), [0.0; 4]);
+        frame.shader.shade_all(&s.surface, &mut s.shaded);
+        for (&at, &color) in s.order[range].iter().zip(&s.shaded) {
+            s.colors[at as usize] = color;
+        }
+        s.times.stop(Stage::Shade, clock);
+    }
+}
+
+/// The grids of a block that is being shaded.
+#[derive(Clone, Copy)]
+struct Grids<'a> {
+    points: &'a Grid3,
+    normals: &'a Grid3,
+    uvs: &'a Grid3,
+    footprint: &'a [f32],
+}
+
+fn s_grids<'a>(
+    points: &'a Grid3,
+    normals: &'a Grid3,
+    uvs: &'a Grid3,
+    footprint: &'a [f32],
+) -> Grids<'a> {
+    Grids {
+        points,
+        normals,
+        uvs,
+        footprint,
+    }
+}
+
+/// Interpolates a block's grids at a sample. `w` weighs the points (i, j), (i+1, j), (i+1, j+1), (i, j+1).
+#[inline]
+fn surface_point(
+    frame: &Frame<'_>,
+    g: Grids<'_>,
+    id: SampleId,
+    w: [f32; 4],
+    has_uvs: bool,
+    template: SurfacePoint,
+) -> SurfacePoint {
+    let (i, j) = (id.col() as usize, id.row() as usize);
+    let k = j * BLOCK_STRIDE + i;
+    let at = [k, k + 1, k + BLOCK_STRIDE + 1, k + BLOCK_STRIDE];
+    let mix = |a: &[f32]| (w[0] * a[at[0]] + w[1] * a[at[1]]) + (w[2] * a[at[2]] + w[3] * a[at[3]]);
+    let mix3 = |a: &Grid3| [mix(&a.x), mix(&a.y), mix(&a.z)];
+    let position = mix3(g.points);
+    let middle = if id.half() == 0 {
+        (i + 1, j)
+    } else {
+        (i, j + 1)
+    };
+    let (a, b, c) = (
+        g.points.get(i, j),
+        g.points.get(middle.0, middle.1),
+        g.points.get(i + 1, j + 1),
+    );
+    let n = crate::math::cross(crate::math::sub(b, a), crate::math::sub(c, a));
+    let geometric = if id.half() == 0 { n } else { n.map(|c| -c) };
+    SurfacePoint {
+        position,
+        normal: mix3(g.normals),
+        geometric,
+        uv: has_uvs.then(|| [mix(&g.uvs.x), mix(&g.uvs.y)]),
+        uv_footprint: if has_uvs { mix(g.footprint) } else { 0.0 },
+        depth01: frame.view.depth01(frame.view.distance(position)),
+        ..template
+    }
+}
+
+/// Per grid point the side of the square in texture coordinates that covers the area of a pixel, from differences along the grid.
+fn footprints(block: &ProjectedBlock, uvs: &Grid3, size: BlockSize, out: &mut Vec<f32>) {
+    out.clear();
+    out.resize(size.rows * BLOCK_STRIDE, 0.0);
+    let step = |k: usize, n: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
+    for j in 0..size.rows {
+        let (j0, j1) = step(j, size.rows);
+        for i in 0..size.cols {
+            let (i0, i1) = step(i, size.cols);
+            let screen = |a: [i32; 2], b: [i32; 2]| {
+                [(b[0] - a[0]) as f32 / 256.0, (b[1] - a[1]) as f32 / 256.0]
+            };
+            let su = screen(block.position(i0, j), block.position(i1, j));
+            let sv = screen(block.position(i, j0), block.position(i, j1));
+            let uv = |a: [f32; 3], b: [f32; 3]| [b[0] - a[0], b[1] - a[1]];
+            let tu = uv(uvs.get(i0, j), uvs.get(i1, j));
+            let tv = uv(uvs.get(i, j0), uvs.get(i, j1));
+            let pixels = (su[0] * sv[1] - su[1] * sv[0]).abs();
+            let texture = (tu[0] * tv[1] - tu[1] * tv[0]).abs();
+            // A grid cell seen edge-on has no area: do not let its footprint run away.
+            out[j * BLOCK_STRIDE + i] = (texture / pixels.max(1.0 / 256.0)).sqrt();
+        }
+    }
+}
+
+/// Averages samples into pixels. Returns how many pixels show something.
+fn resolve(frame: &Frame<'_>, rect: [u32; 4], s: &Scratch, pixels: &mut Vec<u8>) -> u64 {
+    let samples = frame.size.samples;
+    let plane = (rect[2] * rect[3]) as usize;
+    let mut covered = 0;
+    pixels.reserve(plane * 4);
+    for at in 0..plane {
+        let mut sum = PixelSum::default();
+        for k in 0..samples as usize {
+            sum.add(s.colors[k * plane + at]);
+        }
+        let color = sum.mean(samples);
+        covered += u64::from(color[3] > 0.0);
+        pixels.extend(frame.film.pixel(color));
+    }
+    covered
+}

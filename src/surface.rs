@@ -1,0 +1,399 @@
+//! The subdivision surface of a cage: topology once, points as often as they move.
+
+use crate::dice::face::{Channel, FacePatch};
+use crate::dice::fan_points::{FanPoints, TangentMasks};
+use crate::dice::presplit::presplit;
+use crate::dice::{MAX_LEVEL, Target};
+use crate::mesh::{Cage, NONE};
+use crate::records::Grid3;
+use crate::scheme::{Boundary, FaceVaryingRule};
+use crate::topology::channel::connect_channel;
+use crate::topology::ears::Ears;
+use crate::topology::split::{Split, split};
+use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
+
+/// How a cage is read as a surface. What is `None` comes from the cage's tags, else from the defaults.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SurfaceOptions {
+    /// Boundary rule; default edge-and-corner.
+    pub boundary: Option<Boundary>,
+    /// Face-varying rule; default corners-plus1.
+    pub face_varying: Option<FaceVaryingRule>,
+}
+
+/// One polygon mesh as quads: itself, or its first Catmull-Clark step.
+#[derive(Clone, Debug)]
+struct QuadMesh {
+    base: Topology,
+    split: Option<Split>,
+    masks: TangentMasks,
+    /// Points of the quads, by vertex.
+    points: Vec<[f32; 3]>,
+    fans: FanPoints,
+}
+
+impl QuadMesh {
+    fn new(base: Topology, points: &[[f32; 3]], normals: bool) -> Self {
+        let split = (!base.all_quads()).then(|| split(&base));
+        let masks = TangentMasks::new(split.as_ref().map_or(&base, |s| &s.topology));
+        let mut mesh = Self {
+            base,
+            split,
+            masks,
+            points: Vec::new(),
+            fans: FanPoints::default(),
+        };
+        mesh.update(points, normals);
+        mesh
+    }
+
+    fn quads(&self) -> &Topology {
+        self.split.as_ref().map_or(&self.base, |s| &s.topology)
+    }
+
+    fn update(&mut self, points: &[[f32; 3]], normals: bool) {
+        self.points = match &self.split {
+            Some(split) => presplit(&self.base, split, points),
+            None => points.to_vec(),
+        };
+        self.fans = FanPoints::new(self.quads(), &self.masks, &self.points, None, normals);
+    }
+}
+
+/// A subdivision surface, ready to be diced and drawn.
+///
+/// ```
+/// use earmark::{Cage, Surface};
+///
+/// // A cube: limit point and normal of its first corner.
+/// let points = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * b as f32 - 1.0)).collect();
+/// let corners = vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5];
+/// let surface = Surface::new(Cage::new(points, &[4; 6], corners)?, &Default::default());
+/// let grid = surface.dice(0, 3);
+/// assert_eq!(grid.points[0], [-0.5, -0.5, -0.5]);
+/// assert!((grid.normals[0][0] + 1.0 / 3.0_f32.sqrt()).abs() < 1e-6);
+/// # Ok::<(), earmark::mesh::CageError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Surface {
+    cage: Cage,
+    mesh: QuadMesh,
+    uv: Option<QuadMesh>,
+    linear_uv: bool,
+    warnings: Vec<TopologyWarning>,
+}
+
+/// Points of one quad of the surface's quad mesh on a grid, row by row: `side` points along u, then the next v.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DicedQuad {
+    /// Points along each side.
+    pub side: usize,
+    /// Limit points, or control points of the level.
+    pub points: Vec<[f32; 3]>,
+    /// Unit limit normals.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates; empty without.
+    pub uvs: Vec<[f32; 2]>,
+}
+
+impl DicedQuad {
+    /// Antal's triangle strips: one per row of micro-quads, each alternating between the row's upper and lower points, from column
+    /// 0 on. Indices into the grid. At level 3 these are 8 strips of 18, 144 vertices in all.
+    #[must_use]
+    pub fn strips(&self) -> Vec<Vec<u32>> {
+        let n = self.side as u32;
+        (0..n - 1)
+            .map(|j| (0..n).flat_map(|i| [(j + 1) * n + i, j * n + i]).collect())
+            .collect()
+    }
+}
+
+impl Surface {
+    /// The surface of `cage`. Cannot fail: whatever the cage is, it has a surface; what had to be decided on the way is in
+    /// [`Surface::warnings`].
+    #[must_use]
+    pub fn new(cage: Cage, options: &SurfaceOptions) -> Self {
+        let boundary = options.boundary.or(cage.tags.boundary).unwrap_or_default();
+        let connect_options = ConnectOptions {
+            boundary,
+            creases: &cage.tags.creases,
+            corners: &[],
+            holes: &cage.tags.holes,
+        };
+        let (base, warnings) = connect(
+            cage.points.len(),
+            &cage.face_offsets,
+            cage.corner_vertices.clone(),
+            &connect_options,
+        );
+        let rule = options
+            .face_varying
+            .or(cage.tags.face_varying)
+            .unwrap_or_default();
+        let uv = (!cage.corner_uvs.is_empty()).then(|| {
+            // Corners without a value share one more, at the origin.
+            let missing = cage.uvs.len() as u32;
+            let values: Vec<u32> = cage
+                .corner_uvs
+                .iter()
+                .map(|&i| if i == NONE { missing } else { i })
+                .collect();
+            let topology = connect_channel(&base, values, cage.uvs.len() + 1, rule, boundary);
+            QuadMesh::new(topology, &uv_points(&cage), false)
+        });
+        let mesh = QuadMesh::new(base, &cage.points, true);
+        Self {
+            mesh,
+            uv,
+            linear_uv: rule == FaceVaryingRule::All,
+            warnings,
+            cage,
+        }
+    }
+
+    /// Moves the cage's points; topology stays.
+    ///
+    /// # Errors
+    /// [`CageError`](crate::mesh::CageError) when there are not as many as before, or one is not finite.
+    pub fn update_points(&mut self, points: &[[f32; 3]]) -> Result<(), crate::mesh::CageError> {
+        use crate::mesh::CageError;
+        if points.len() != self.cage.points.len() {
+            return Err(CageError::WrongCount {
+                what: "points",
+                got: points.len(),
+                wanted: self.cage.points.len(),
+            });
+        }
+        if let Some(vertex) = points.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+            return Err(CageError::NotFinite { vertex });
+        }
+        self.cage.points.copy_from_slice(points);
+        self.mesh.update(points, true);
+        Ok(())
+    }
+
+    /// The cage.
+    #[must_use]
+    pub fn cage(&self) -> &Cage {
+        &self.cage
+    }
+    /// What was odd in the topology.
+    #[must_use]
+    pub fn warnings(&self) -> &[TopologyWarning] {
+        &self.warnings
+    }
+    /// Connectivity of the cage.
+    #[must_use]
+    pub fn topology(&self) -> &Topology {
+        &self.mesh.base
+    }
+    /// The quads that are diced: the cage's own, or those of its first step where it has other polygons.
+    #[must_use]
+    pub fn quads(&self) -> &Topology {
+        self.mesh.quads()
+    }
+    /// Whether the quads are those of the first step; a level of the cage is then one less of the quads.
+    #[must_use]
+    pub fn is_split(&self) -> bool {
+        self.mesh.split.is_some()
+    }
+    /// Face of the cage that quad `q` belongs to.
+    #[must_use]
+    pub fn cage_face(&self, q: u32) -> u32 {
+        if self.is_split() {
+            self.mesh.base.face_of(q)
+        } else {
+            q
+        }
+    }
+    /// Whether the cage has texture coordinates.
+    #[must_use]
+    pub fn has_uvs(&self) -> bool {
+        self.uv.is_some()
+    }
+    /// Points of the quad mesh, by vertex.
+    #[must_use]
+    pub fn control_points(&self) -> &[[f32; 3]] {
+        &self.mesh.points
+    }
+    /// The ears of the quads, in the layout of the published buffers.
+    #[must_use]
+    pub fn ears(&self) -> Ears {
+        Ears::new(self.quads())
+    }
+    /// Limit points and unit normals at the vertices of fan `fan` of the quad mesh.
+    #[must_use]
+    pub fn fan_limit(&self, fan: u32) -> ([f32; 3], [f32; 3]) {
+        (
+            self.mesh.fans.limits[fan as usize],
+            self.mesh.fans.normals[fan as usize],
+        )
+    }
+
+    /// Dices quad `q` of [`Surface::quads`] on a grid of `2^level + 1` points along each side.
+    ///
+    /// # Panics
+    /// When there is no such quad or `level` is above 10.
+    #[must_use]
+    pub fn dice(&self, q: u32, level: u32) -> DicedQuad {
+        assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
+        let mut patch = QuadPatch::default();
+        patch.prepare(self, q, level, None);
+        let side = (1_usize << level) + 1;
+        let mut out = DicedQuad {
+            side,
+            ..DicedQuad::default()
+        };
+        out.points.resize(side * side, [0.0; 3]);
+        out.normals.resize(side * side, [0.0; 3]);
+        let (mut points, mut normals) = (Grid3::boxed(), Grid3::boxed());
+        let mut uvs = self.uv.is_some().then(|| {
+            out.uvs.resize(side * side, [0.0; 2]);
+            Grid3::boxed()
+        });
+        let blocks = FacePatch::blocks_per_side(level);
+        let m = FacePatch::block_size(level).cols - 1;
+        for bv in 0..blocks {
+            for bu in 0..blocks {
+                patch.dice(bu, bv, &mut points, Some(&mut normals));
+                if let Some(uvs) = uvs.as_deref_mut() {
+                    patch.dice_uvs(bu, bv, uvs);
+                }
+                for j in 0..=m {
+                    for i in 0..=m {
+                        let k = (bv as usize * m + j) * side + bu as usize * m + i;
+                        out.points[k] = points.get(i, j);
+                        out.normals[k] = normals.get(i, j);
+                        if let Some(uvs) = &uvs {
+                            let [u, v, _] = uvs.get(i, j);
+                            out.uvs[k] = [u, v];
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Fans for another target than the limit: control points after `level` steps of the quad mesh.
+    pub(crate) fn refined_fans(&self, level: u32) -> FanPoints {
+        FanPoints::new(
+            self.quads(),
+            &self.mesh.masks,
+            &self.mesh.points,
+            Some(level),
+            true,
+        )
+    }
+}
+
+fn uv_points(cage: &Cage) -> Vec<[f32; 3]> {
+    cage.uvs
+        .iter()
+        .map(|&[u, v]| [u, v, 0.0])
+        .chain([[0.0; 3]])
+        .collect()
+}
+
+/// A quad of a surface prepared for dicing: its points and its texture coordinates.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct QuadPatch {
+    points: FacePatch,
+    uvs: FacePatch,
+    uv_ready: bool,
+    linear: Option<[[f32; 3]; 4]>,
+    level: u32,
+}
+
+impl QuadPatch {
+    /// Prepares quad `q`. `refined` holds the fans of [`Surface::refined_fans`] if control points are wanted.
+    pub(crate) fn prepare(
+        &mut self,
+        surface: &Surface,
+        q: u32,
+        level: u32,
+        refined: Option<&FanPoints>,
+    ) {
+        self.prepare_points(surface, q, level, refined, true);
+        self.prepare_uvs(surface, q);
+    }
+
+    /// Only the points; without `sides` enough for a hull.
+    pub(crate) fn prepare_points(
+        &mut self,
+        surface: &Surface,
+        q: u32,
+        level: u32,
+        refined: Option<&FanPoints>,
+        sides: bool,
+    ) {
+        self.level = level;
+        self.uv_ready = false;
+        let mesh = &surface.mesh;
+        let channel = Channel {
+            topology: mesh.quads(),
+            points: &mesh.points,
+            fans: refined.unwrap_or(&mesh.fans),
+        };
+        let target = if refined.is_some() {
+            Target::Refined
+        } else {
+            Target::Limit
+        };
+        self.points.prepare(channel, q, target, level, sides);
+    }
+
+    pub(crate) fn prepare_uvs(&mut self, surface: &Surface, q: u32) {
+        let Some(uv) = &surface.uv else { return };
+        self.uv_ready = true;
+        self.linear = None;
+        if surface.linear_uv {
+            let quads = uv.quads();
+            let corner = |c: u32| uv.points[quads.vertex(4 * q + c) as usize];
+            self.linear = Some([corner(0), corner(1), corner(2), corner(3)]);
+            return;
+        }
+        let channel = Channel {
+            topology: uv.quads(),
+            points: &uv.points,
+            fans: &uv.fans,
+        };
+        self.uvs
+            .prepare(channel, q, Target::Limit, self.level, false);
+    }
+
+    pub(crate) fn has_uvs(&self) -> bool {
+        self.uv_ready
+    }
+
+    pub(crate) fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        self.points.dice(bu, bv, points, normals);
+    }
+
+    pub(crate) fn dice_uvs(&self, bu: u32, bv: u32, out: &mut Grid3) {
+        let Some(c) = self.linear else {
+            self.uvs.dice(bu, bv, out, None);
+            return;
+        };
+        let size = FacePatch::block_size(self.level);
+        let scale = 1.0 / (1_u32 << self.level) as f32;
+        for j in 0..size.rows {
+            let t = (bv as usize * (size.rows - 1) + j) as f32 * scale;
+            for i in 0..size.cols {
+                let s = (bu as usize * (size.cols - 1) + i) as f32 * scale;
+                let at = |k: usize| {
+                    (c[0][k] * (1.0 - s) + c[1][k] * s) * (1.0 - t)
+                        + (c[3][k] * (1.0 - s) + c[2][k] * s) * t
+                };
+                out.set(i, j, [at(0), at(1), 0.0]);
+            }
+        }
+    }
+
+    pub(crate) fn hull(&self, out: impl FnMut([f32; 3])) {
+        self.points.hull(out);
+    }
+    pub(crate) fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
+        self.points.block_hull(bu, bv, out);
+    }
+}
