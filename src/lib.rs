@@ -2,9 +2,11 @@
 
 pub mod camera;
 pub mod dice;
+pub mod files;
 pub mod film;
 pub mod frame;
 pub mod limits;
+pub mod load;
 pub mod math;
 pub mod mesh;
 pub mod raster;

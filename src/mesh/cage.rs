@@ -55,6 +55,12 @@ pub struct Material {
     pub diffuse_map: Option<String>,
     /// Opacity texture (`map_d`).
     pub opacity_map: Option<String>,
+    /// Height texture for bumps (`map_Bump`, `bump`).
+    pub bump_map: Option<String>,
+    /// Normal map (`norm`).
+    pub normal_map: Option<String>,
+    /// Displacement texture (`disp`).
+    pub displacement_map: Option<String>,
 }
 
 impl Default for Material {
@@ -65,6 +71,9 @@ impl Default for Material {
             opacity: 1.0,
             diffuse_map: None,
             opacity_map: None,
+            bump_map: None,
+            normal_map: None,
+            displacement_map: None,
         }
     }
 }

@@ -1,0 +1,187 @@
+//! From model files to a scene: cages, materials and textures, with everything worth a warning collected.
+
+use crate::files::{FileError, FolderResolver, read_model};
+use crate::frame::Scene;
+use crate::mesh::obj::{self, ReadError, ReadOptions};
+use crate::mesh::resolver::Resolver;
+use crate::mesh::{Material, NONE};
+use crate::shade::SurfaceMaterial;
+use crate::surface::{Surface, SurfaceOptions};
+use crate::texture::{Meaning, Texture};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Bytes that all textures of a scene may take together.
+pub const TEXTURE_BUDGET: u64 = 1 << 30;
+
+/// Largest texture file.
+const TEXTURE_FILE: u64 = 512 << 20;
+
+/// How models are loaded.
+#[derive(Clone, Debug)]
+pub struct LoadOptions {
+    /// How the text is read.
+    pub read: ReadOptions,
+    /// How cages become surfaces.
+    pub surface: SurfaceOptions,
+    /// Largest model file.
+    pub max_file: u64,
+    /// Whether textures are loaded.
+    pub textures: bool,
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        Self {
+            read: ReadOptions::default(),
+            surface: SurfaceOptions::default(),
+            max_file: u64::MAX,
+            textures: true,
+        }
+    }
+}
+
+/// Why a model was not loaded.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The file could not be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Its text is no cage.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+}
+
+/// Loads scenes model by model.
+#[derive(Debug)]
+pub struct Loader {
+    options: LoadOptions,
+    scene: Scene,
+    warnings: Vec<String>,
+    budget: u64,
+}
+
+impl Loader {
+    /// An empty scene.
+    #[must_use]
+    pub fn new(options: LoadOptions) -> Self {
+        Self {
+            options,
+            scene: Scene::default(),
+            warnings: Vec::new(),
+            budget: TEXTURE_BUDGET,
+        }
+    }
+
+    /// Adds the model of a file.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn add_file(&mut self, path: &Path) -> Result<(), LoadError> {
+        let bytes = read_model(path, self.options.max_file)?;
+        let mut resolver = FolderResolver::beside(path)?;
+        self.add_bytes(&bytes, &path.display().to_string(), &mut resolver)
+    }
+
+    /// Adds the model of a text in memory; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn add_bytes(
+        &mut self,
+        bytes: &[u8],
+        name: &str,
+        resolver: &mut dyn Resolver,
+    ) -> Result<(), LoadError> {
+        let read = obj::read(bytes, name, resolver, &self.options.read)?;
+        self.warnings
+            .extend(read.warnings.iter().map(ToString::to_string));
+        let surface = Surface::new(read.cage, &self.options.surface);
+        self.warnings
+            .extend(surface.warnings().iter().map(|w| format!("{name}: {w}")));
+        self.add_surface(surface, name, resolver);
+        Ok(())
+    }
+
+    fn add_surface(&mut self, surface: Surface, name: &str, resolver: &mut dyn Resolver) {
+        let cage = surface.cage();
+        let mut used = vec![false; cage.materials.len()];
+        for &m in &cage.face_materials {
+            if m != NONE {
+                used[m as usize] = true;
+            }
+        }
+        let maps = if self.options.textures && surface.has_uvs() {
+            self.load_maps(&cage.materials.clone(), &used, name, resolver)
+        } else {
+            BTreeMap::new()
+        };
+        if !cage.colors.is_empty() {
+            self.scene
+                .default_material
+                .get_or_insert(SurfaceMaterial::WHITE);
+        }
+        let map = |name: &Option<String>, meaning: Meaning| {
+            name.as_ref()
+                .and_then(|n| maps.get(&(n.clone(), meaning == Meaning::Data)).copied())
+        };
+        self.scene.add(surface, |m| {
+            (
+                map(&m.diffuse_map, Meaning::Color),
+                map(&m.opacity_map, Meaning::Data),
+            )
+        });
+    }
+
+    /// Loads every map of the used materials once.
+    fn load_maps(
+        &mut self,
+        materials: &[Material],
+        used: &[bool],
+        model: &str,
+        resolver: &mut dyn Resolver,
+    ) -> BTreeMap<(String, bool), u32> {
+        let mut maps: BTreeMap<(String, bool), Option<u32>> = BTreeMap::new();
+        for (material, _) in materials.iter().zip(used).filter(|(_, used)| **used) {
+            for (map, meaning) in [
+                (&material.diffuse_map, Meaning::Color),
+                (&material.opacity_map, Meaning::Data),
+            ] {
+                let Some(map) = map else { continue };
+                let key = (map.clone(), meaning == Meaning::Data);
+                if maps.contains_key(&key) {
+                    continue;
+                }
+                let loaded = match resolver.read(map, TEXTURE_FILE) {
+                    Err(e) => Err(e.to_string()),
+                    Ok(bytes) => Texture::decode(&bytes, meaning, &mut self.budget)
+                        .map_err(|e| e.to_string()),
+                };
+                let index = match loaded {
+                    Ok(texture) => {
+                        self.scene.textures.push(texture);
+                        Some(self.scene.textures.len() as u32 - 1)
+                    }
+                    Err(why) => {
+                        self.warnings.push(format!(
+                            "{model}: texture {map:?} of material {:?} is left out: {why}",
+                            material.name
+                        ));
+                        None
+                    }
+                };
+                maps.insert(key, index);
+            }
+        }
+        maps.into_iter()
+            .filter_map(|(k, v)| Some((k, v?)))
+            .collect()
+    }
+
+    /// The scene, and what was worth a warning.
+    #[must_use]
+    pub fn finish(self) -> (Scene, Vec<String>) {
+        (self.scene, self.warnings)
+    }
+}
