@@ -60,6 +60,13 @@ impl QuadMesh {
     }
 }
 
+/// Values at the vertices, refined like the points: same topology, other numbers.
+#[derive(Clone, Debug)]
+struct VertexChannel {
+    points: Vec<[f32; 3]>,
+    fans: FanPoints,
+}
+
 /// A subdivision surface, ready to be diced and drawn.
 ///
 /// ```
@@ -80,6 +87,7 @@ pub struct Surface {
     mesh: QuadMesh,
     uv: Option<QuadMesh>,
     linear_uv: bool,
+    colors: Option<VertexChannel>,
     warnings: Vec<TopologyWarning>,
 }
 
@@ -142,7 +150,16 @@ impl Surface {
             QuadMesh::new(topology, &uv_points(&cage), false)
         });
         let mesh = QuadMesh::new(base, &cage.points, true);
+        let colors = (!cage.colors.is_empty()).then(|| {
+            let points = match &mesh.split {
+                Some(split) => presplit(&mesh.base, split, &cage.colors),
+                None => cage.colors.clone(),
+            };
+            let fans = FanPoints::new(mesh.quads(), &mesh.masks, &points, None, false);
+            VertexChannel { points, fans }
+        });
         Self {
+            colors,
             mesh,
             uv,
             linear_uv: rule == FaceVaryingRule::All,
@@ -275,6 +292,18 @@ impl Surface {
         out
     }
 
+    /// Limit of the texture coordinates at corner `h` of the quad mesh.
+    pub(crate) fn uv_limit(&self, h: u32) -> Option<[f32; 3]> {
+        let uv = self.uv.as_ref()?;
+        Some(uv.fans.limits[uv.quads().fan(h) as usize])
+    }
+
+    /// Limit of the vertex colours at corner `h` of the quad mesh.
+    pub(crate) fn color_limit(&self, h: u32) -> Option<[f32; 3]> {
+        let colors = self.colors.as_ref()?;
+        Some(colors.fans.limits[self.quads().fan(h) as usize])
+    }
+
     /// Fans for another target than the limit: control points after `level` steps of the quad mesh.
     pub(crate) fn refined_fans(&self, level: u32) -> FanPoints {
         FanPoints::new(
@@ -300,7 +329,9 @@ fn uv_points(cage: &Cage) -> Vec<[f32; 3]> {
 pub(crate) struct QuadPatch {
     points: FacePatch,
     uvs: FacePatch,
+    colors: FacePatch,
     uv_ready: bool,
+    color_ready: bool,
     linear: Option<[[f32; 3]; 4]>,
     level: u32,
 }
@@ -329,6 +360,7 @@ impl QuadPatch {
     ) {
         self.level = level;
         self.uv_ready = false;
+        self.color_ready = false;
         let mesh = &surface.mesh;
         let channel = Channel {
             topology: mesh.quads(),
@@ -364,6 +396,25 @@ impl QuadPatch {
 
     pub(crate) fn has_uvs(&self) -> bool {
         self.uv_ready
+    }
+
+    /// Prepares the vertex colours of quad `q`; says whether there are any.
+    pub(crate) fn prepare_colors(&mut self, surface: &Surface, q: u32) -> bool {
+        if let (Some(colors), false) = (&surface.colors, self.color_ready) {
+            let channel = Channel {
+                topology: surface.quads(),
+                points: &colors.points,
+                fans: &colors.fans,
+            };
+            self.colors
+                .prepare(channel, q, Target::Limit, self.level, false);
+            self.color_ready = true;
+        }
+        self.color_ready
+    }
+
+    pub(crate) fn dice_colors(&self, bu: u32, bv: u32, out: &mut Grid3) {
+        self.colors.dice(bu, bv, out, None);
     }
 
     pub(crate) fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {

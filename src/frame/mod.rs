@@ -7,6 +7,7 @@
 //! Tiles are independent and each is drawn by one thread from its bin, whose items stand in ascending order. So the picture is the
 //! same for any number of threads. No thread waits for another but at the end of a stage.
 
+mod cutout;
 mod level;
 mod scene;
 mod source;
@@ -18,8 +19,9 @@ use crate::film::{Film, Image};
 use crate::limits::{LimitError, Limits};
 use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, tile_side};
 use crate::records::ScreenSize;
-use crate::shade::{ShadeMode, Shader};
+use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
+use crate::texture::Texture;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -128,9 +130,27 @@ pub(crate) struct Frame<'a> {
     film: Film,
     simd: SimdLevel,
     wants_uvs: bool,
+    /// Materials with their opacity, by which faces are cut out.
+    materials: &'a [SurfaceMaterial],
+    textures: &'a [Texture],
 }
 
 impl<'a> Frame<'a> {
+    /// The opacity map that faces of a material are cut out by.
+    #[inline]
+    fn cutout(&self, material: u32) -> Option<&'a Texture> {
+        let map = self.materials.get(material as usize)?.opacity_map?;
+        self.textures.get(map as usize)
+    }
+
+    /// Whether faces of a material are too transparent to be drawn at all.
+    #[inline]
+    fn is_clear(&self, material: u32) -> bool {
+        self.materials
+            .get(material as usize)
+            .is_some_and(|m| m.opacity < 0.5)
+    }
+
     #[inline]
     fn source_of(&self, item: u32) -> &Source<'a> {
         let k = self.sources.partition_point(|s| s.first_item <= item);
@@ -189,7 +209,17 @@ impl Renderer {
         self.limits.faces(u128::from(microtriangles) / 2)?;
         self.limits
             .memory("the picture", self.predicted_bytes(item_count))?;
-        let mut shader = Shader::new(self.mode, view, &scene.materials, &scene.textures);
+        // Opacity decides what is drawn; what is drawn is opaque.
+        let solid: Vec<SurfaceMaterial> = scene
+            .materials
+            .iter()
+            .map(|m| SurfaceMaterial {
+                opacity: 1.0,
+                opacity_map: None,
+                ..*m
+            })
+            .collect();
+        let mut shader = Shader::new(self.mode, view, &solid, &scene.textures);
         if let Some(material) = scene.default_material {
             shader = shader.with_default_material(material);
         }
@@ -203,6 +233,8 @@ impl Renderer {
             film: Film::new(self.mode.encoding(), self.background),
             simd: self.simd,
             wants_uvs: self.mode == ShadeMode::Uv || !scene.textures.is_empty(),
+            materials: &scene.materials,
+            textures: &scene.textures,
         };
         let mut stats = FrameStats {
             faces: scene.face_count() as u64,

@@ -40,6 +40,30 @@ pub(super) struct SourceScratch {
     prepared: Option<(u32, bool)>,
 }
 
+/// What shading needs of a block beside its points.
+pub(super) struct Attributes {
+    pub(super) normals: Box<Grid3>,
+    pub(super) uvs: Box<Grid3>,
+    pub(super) colors: Box<Grid3>,
+    pub(super) has_uvs: bool,
+    pub(super) has_colors: bool,
+}
+
+impl Default for Attributes {
+    fn default() -> Self {
+        Self {
+            normals: Grid3::boxed(),
+            uvs: Grid3::boxed(),
+            colors: Grid3::boxed(),
+            has_uvs: false,
+            has_colors: false,
+        }
+    }
+}
+
+/// Corners of a 2×2 grid in the order of a quad's corners.
+const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (1, 1), (0, 1)];
+
 const PAIR: BlockSize = BlockSize { cols: 2, rows: 2 };
 
 impl<'a> Source<'a> {
@@ -166,7 +190,7 @@ impl<'a> Source<'a> {
                     .map(|&v| cage.points[v as usize]),
             );
         } else if self.is_polygonal() {
-            out.extend(self.polygon(item).map(|fan| self.fan_point(fan)));
+            out.extend(self.polygon(item).map(|h| self.corner_point(h)));
         } else {
             self.prepare(scratch, item, false);
             scratch.patch.hull(|p| out.push(p));
@@ -193,72 +217,76 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Dices a block: points, and normals and texture coordinates where asked for. Returns whether there are texture coordinates.
+    /// Dices a block: points, and what shading needs where asked for.
     pub(super) fn dice(
         &self,
         scratch: &mut SourceScratch,
         item: u32,
         [bu, bv]: [u32; 2],
         points: &mut Grid3,
-        extra: Option<(&mut Grid3, &mut Grid3)>,
-    ) -> bool {
+        attributes: Option<&mut Attributes>,
+    ) {
         if self.drawing == Drawing::Cage {
-            return self.dice_cage(item, bu, points, extra);
+            return self.dice_cage(item, bu, points, attributes);
         }
         if self.is_polygonal() {
-            self.dice_polygon(item, points, extra);
-            return false;
+            return self.dice_polygon(item, points, attributes);
         }
         self.prepare(scratch, item, true);
-        match extra {
-            None => {
-                scratch.patch.dice(bu, bv, points, None);
-                false
-            }
-            Some((normals, uvs)) => {
-                scratch.patch.dice(bu, bv, points, Some(normals));
-                if !scratch.patch.has_uvs() {
-                    scratch.patch.prepare_uvs(&self.object.surface, item);
-                }
-                if scratch.patch.has_uvs() {
-                    scratch.patch.dice_uvs(bu, bv, uvs);
-                }
-                scratch.patch.has_uvs()
-            }
+        let Some(a) = attributes else {
+            scratch.patch.dice(bu, bv, points, None);
+            return;
+        };
+        let (surface, patch) = (&self.object.surface, &mut scratch.patch);
+        patch.dice(bu, bv, points, Some(&mut a.normals));
+        if !patch.has_uvs() {
+            patch.prepare_uvs(surface, item);
+        }
+        a.has_uvs = patch.has_uvs();
+        if a.has_uvs {
+            patch.dice_uvs(bu, bv, &mut a.uvs);
+        }
+        a.has_colors = patch.prepare_colors(surface, item);
+        if a.has_colors {
+            patch.dice_colors(bu, bv, &mut a.colors);
         }
     }
 
-    /// Fans of a polygonal item: the corners of a quad, or one sector of an n-gon with its centre.
+    /// Corners of the quad mesh that span a polygonal item: those of a quad, or one sector of an n-gon with its centre.
     fn polygon(&self, item: u32) -> [u32; 4] {
-        let quads = self.object.surface.quads();
         let base = self.object.surface.topology();
         let next = base.next(item);
         if base.face_halves(base.face_of(item)).len() == 4 {
             let third = base.next(next);
-            return [item, next, third, base.next(third)].map(|h| quads.fan(4 * h));
+            return [item, next, third, base.next(third)].map(|h| 4 * h);
         }
-        let centre = quads.fan(4 * item + 2);
-        [quads.fan(4 * item), quads.fan(4 * next), centre, centre]
+        let centre = 4 * item + 2;
+        [4 * item, 4 * next, centre, centre]
     }
 
-    fn fan_point(&self, fan: u32) -> [f32; 3] {
+    fn corner_point(&self, h: u32) -> [f32; 3] {
+        let fan = self.object.surface.quads().fan(h);
         match &self.refined {
             Some(fans) => fans.limits[fan as usize],
             None => self.object.surface.fan_limit(fan).0,
         }
     }
 
-    fn dice_polygon(&self, item: u32, points: &mut Grid3, extra: Option<(&mut Grid3, &mut Grid3)>) {
-        let fans = self.polygon(item);
-        // Grid order: (0, 0), (1, 0), (1, 1), (0, 1).
-        let places = [(0, 0), (1, 0), (1, 1), (0, 1)];
-        for (&fan, (i, j)) in fans.iter().zip(places) {
-            points.set(i, j, self.fan_point(fan));
+    fn dice_polygon(&self, item: u32, points: &mut Grid3, attributes: Option<&mut Attributes>) {
+        let surface = &self.object.surface;
+        let corners = self.polygon(item);
+        for (&h, (i, j)) in corners.iter().zip(CORNERS) {
+            points.set(i, j, self.corner_point(h));
         }
-        if let Some((normals, _)) = extra {
-            for (&fan, (i, j)) in fans.iter().zip(places) {
-                normals.set(i, j, self.object.surface.fan_limit(fan).1);
-            }
+        let Some(a) = attributes else { return };
+        a.has_uvs = surface.has_uvs();
+        a.has_colors = !surface.cage().colors.is_empty();
+        for (&h, (i, j)) in corners.iter().zip(CORNERS) {
+            a.normals
+                .set(i, j, surface.fan_limit(surface.quads().fan(h)).1);
+            a.uvs.set(i, j, surface.uv_limit(h).unwrap_or_default());
+            a.colors
+                .set(i, j, surface.color_limit(h).unwrap_or_default());
         }
     }
 
@@ -285,29 +313,32 @@ impl<'a> Source<'a> {
         item: u32,
         block: u32,
         points: &mut Grid3,
-        extra: Option<(&mut Grid3, &mut Grid3)>,
-    ) -> bool {
+        attributes: Option<&mut Attributes>,
+    ) {
         let cage = self.object.surface.cage();
         let corners = self.cage_corners(item, block);
-        let places = [(0, 0), (1, 0), (1, 1), (0, 1)];
-        for ((v, _), (i, j)) in corners.iter().zip(places) {
+        for ((v, _), (i, j)) in corners.iter().zip(CORNERS) {
             points.set(i, j, cage.points[*v as usize]);
         }
-        let Some((normals, uvs)) = extra else {
-            return false;
-        };
-        for ((_, c), (i, j)) in corners.iter().zip(places) {
+        let Some(a) = attributes else { return };
+        a.has_uvs = !cage.corner_uvs.is_empty();
+        a.has_colors = !cage.colors.is_empty();
+        for ((v, c), (i, j)) in corners.iter().zip(CORNERS) {
             let normal = match cage.corner_normals.get(*c as usize) {
                 Some(&n) if n != NONE => cage.normals[n as usize],
                 _ => [0.0; 3],
             };
-            normals.set(i, j, normal);
+            a.normals.set(i, j, normal);
             let uv = match cage.corner_uvs.get(*c as usize) {
                 Some(&k) if k != NONE => cage.uvs[k as usize],
                 _ => [0.0; 2],
             };
-            uvs.set(i, j, [uv[0], uv[1], 0.0]);
+            a.uvs.set(i, j, [uv[0], uv[1], 0.0]);
+            a.colors.set(
+                i,
+                j,
+                cage.colors.get(*v as usize).copied().unwrap_or_default(),
+            );
         }
-        !cage.corner_uvs.is_empty()
     }
 }

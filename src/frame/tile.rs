@@ -2,7 +2,8 @@
 //! their samples, then resolve. Nothing but the tile's pixels leaves it.
 
 use super::Frame;
-use super::source::{Source, SourceScratch};
+use super::cutout::{Layers, draw_cutout};
+use super::source::{Attributes, Source, SourceScratch};
 use super::stats::{Stage, StageTimes};
 use crate::film::PixelSum;
 use crate::raster::{
@@ -20,13 +21,14 @@ struct Drawn {
 
 /// Buffers of one thread, used for tile after tile.
 pub(super) struct Scratch {
-    tile: Tile<Key>,
+    pub(super) tile: Tile<Key>,
     source: SourceScratch,
-    points: Box<Grid3>,
-    normals: Box<Grid3>,
-    uvs: Box<Grid3>,
-    footprint: Vec<f32>,
-    projected: Box<ProjectedBlock>,
+    pub(super) points: Box<Grid3>,
+    pub(super) attributes: Attributes,
+    pub(super) footprint: Vec<f32>,
+    pub(super) projected: Box<ProjectedBlock>,
+    /// Made when the first face with an opacity map is met.
+    pub(super) layers: Option<Tile<Layers>>,
     hull: Vec<[f32; 3]>,
     drawn: Vec<Drawn>,
     starts: Vec<u32>,
@@ -43,10 +45,10 @@ impl Scratch {
             tile: Tile::new(0, 0, 0, 0, samples),
             source: SourceScratch::default(),
             points: Grid3::boxed(),
-            normals: Grid3::boxed(),
-            uvs: Grid3::boxed(),
+            attributes: Attributes::default(),
             footprint: Vec::new(),
             projected: ProjectedBlock::boxed(),
+            layers: None,
             hull: Vec::new(),
             drawn: Vec::new(),
             starts: Vec::new(),
@@ -72,7 +74,7 @@ pub(super) fn item_box(
     scratch: &mut SourceScratch,
     hull: &mut Vec<[f32; 3]>,
 ) -> Option<PixelBox> {
-    if !source.is_drawn(item) {
+    if !source.is_drawn(item) || frame.is_clear(source.object.material(source.cage_face(item))) {
         return None;
     }
     source.hull(scratch, item, hull);
@@ -113,6 +115,7 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
     let source = frame.source_of(item);
     let local = item - source.first_item;
     let size = source.block_size();
+    let cutout = frame.cutout(source.object.material(source.cage_face(local)));
     let [nu, nv] = source.blocks(local);
     for bv in 0..nv {
         for bu in 0..nu {
@@ -126,7 +129,8 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
                     continue;
                 }
             }
-            source.dice(&mut s.source, local, [bu, bv], &mut s.points, None);
+            let attributes = cutout.map(|_| &mut s.attributes);
+            source.dice(&mut s.source, local, [bu, bv], &mut s.points, attributes);
             let clock = s.times.lap(Stage::Dice, clock);
             project(
                 frame.simd,
@@ -136,7 +140,13 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
                 &mut s.projected,
             );
             let rank = next_rank(s);
-            draw_block(frame.simd, &mut s.tile, &s.projected, rank);
+            match cutout {
+                Some(map) if s.attributes.has_uvs => {
+                    footprints(&s.projected, &s.attributes.uvs, size, &mut s.footprint);
+                    draw_cutout(frame, s, map, rank);
+                }
+                _ => draw_block(frame.simd, &mut s.tile, &s.projected, rank),
+            }
             s.drawn.push(Drawn {
                 item,
                 block: [bu, bv],
@@ -221,12 +231,12 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         let source = frame.source_of(item);
         let local = item - source.first_item;
         let size = source.block_size();
-        let has_uvs = source.dice(
+        source.dice(
             &mut s.source,
             local,
             block,
             &mut s.points,
-            Some((&mut s.normals, &mut s.uvs)),
+            Some(&mut s.attributes),
         );
         project(
             frame.simd,
@@ -235,20 +245,18 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
             &frame.view.projection,
             &mut s.projected,
         );
-        let has_uvs = has_uvs && frame.wants_uvs;
-        if has_uvs {
-            footprints(&s.projected, &s.uvs, size, &mut s.footprint);
+        s.attributes.has_uvs &= frame.wants_uvs;
+        if s.attributes.has_uvs {
+            footprints(&s.projected, &s.attributes.uvs, size, &mut s.footprint);
         }
         let clock = s.times.lap(Stage::Dice, clock);
         let face = source.cage_face(local);
-        let colors = source.object.surface.cage().colors();
         let template = SurfacePoint {
             face: source.first_face + face,
             level: source.level,
             material: source.object.material(face),
             ..SurfacePoint::default()
         };
-        let _ = colors;
         s.surface.clear();
         let [x0, y0] = s.tile.origin();
         for &at in &s.order[range.clone()] {
@@ -261,10 +269,11 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
                 barycentrics(&s.projected, id, x0 + x, y0 + y, sample, frame.size.samples);
             s.surface.push(surface_point(
                 frame,
-                s_grids(&s.points, &s.normals, &s.uvs, &s.footprint),
+                &s.points,
+                &s.attributes,
+                &s.footprint,
                 id,
                 weights,
-                has_uvs,
                 template,
             ));
         }
@@ -278,63 +287,63 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
     }
 }
 
-/// The grids of a block that is being shaded.
-#[derive(Clone, Copy)]
-struct Grids<'a> {
-    points: &'a Grid3,
-    normals: &'a Grid3,
-    uvs: &'a Grid3,
-    footprint: &'a [f32],
+/// Interpolates a quantity of a block at a sample; `w` weighs the points (i, j), (i+1, j), (i+1, j+1), (i, j+1).
+#[inline(always)]
+pub(super) fn interpolate(a: &[f32], id: SampleId, w: [f32; 4]) -> f32 {
+    let k = id.row() as usize * BLOCK_STRIDE + id.col() as usize;
+    (w[0] * a[k] + w[1] * a[k + 1]) + (w[2] * a[k + BLOCK_STRIDE + 1] + w[3] * a[k + BLOCK_STRIDE])
 }
 
-fn s_grids<'a>(
-    points: &'a Grid3,
-    normals: &'a Grid3,
-    uvs: &'a Grid3,
-    footprint: &'a [f32],
-) -> Grids<'a> {
-    Grids {
-        points,
-        normals,
-        uvs,
-        footprint,
-    }
-}
-
-/// Interpolates a block's grids at a sample. `w` weighs the points (i, j), (i+1, j), (i+1, j+1), (i, j+1).
+/// The surface at a sample of a block.
 #[inline]
 fn surface_point(
     frame: &Frame<'_>,
-    g: Grids<'_>,
+    points: &Grid3,
+    a: &Attributes,
+    footprint: &[f32],
     id: SampleId,
     w: [f32; 4],
-    has_uvs: bool,
     template: SurfacePoint,
 ) -> SurfacePoint {
+    let mix3 = |g: &Grid3| {
+        [
+            interpolate(&g.x, id, w),
+            interpolate(&g.y, id, w),
+            interpolate(&g.z, id, w),
+        ]
+    };
+    let position = mix3(points);
     let (i, j) = (id.col() as usize, id.row() as usize);
-    let k = j * BLOCK_STRIDE + i;
-    let at = [k, k + 1, k + BLOCK_STRIDE + 1, k + BLOCK_STRIDE];
-    let mix = |a: &[f32]| (w[0] * a[at[0]] + w[1] * a[at[1]]) + (w[2] * a[at[2]] + w[3] * a[at[3]]);
-    let mix3 = |a: &Grid3| [mix(&a.x), mix(&a.y), mix(&a.z)];
-    let position = mix3(g.points);
     let middle = if id.half() == 0 {
         (i + 1, j)
     } else {
         (i, j + 1)
     };
-    let (a, b, c) = (
-        g.points.get(i, j),
-        g.points.get(middle.0, middle.1),
-        g.points.get(i + 1, j + 1),
+    let (p, q, r) = (
+        points.get(i, j),
+        points.get(middle.0, middle.1),
+        points.get(i + 1, j + 1),
     );
-    let n = crate::math::cross(crate::math::sub(b, a), crate::math::sub(c, a));
-    let geometric = if id.half() == 0 { n } else { n.map(|c| -c) };
+    let n = crate::math::cross(crate::math::sub(q, p), crate::math::sub(r, p));
+    let uv = a
+        .has_uvs
+        .then(|| [interpolate(&a.uvs.x, id, w), interpolate(&a.uvs.y, id, w)]);
     SurfacePoint {
         position,
-        normal: mix3(g.normals),
-        geometric,
-        uv: has_uvs.then(|| [mix(&g.uvs.x), mix(&g.uvs.y)]),
-        uv_footprint: if has_uvs { mix(g.footprint) } else { 0.0 },
+        normal: mix3(&a.normals),
+        geometric: if id.half() == 0 { n } else { n.map(|c| -c) },
+        uv,
+        uv_footprint: if uv.is_some() {
+            interpolate(footprint, id, w)
+        } else {
+            0.0
+        },
+        // The limit of colours may leave the range of its control values by rounding only, but files may hold anything.
+        color: if a.has_colors {
+            mix3(&a.colors).map(|c| c.max(0.0))
+        } else {
+            [1.0; 3]
+        },
         depth01: frame.view.depth01(frame.view.distance(position)),
         ..template
     }

@@ -195,6 +195,12 @@ impl<C: Cell> Tile<C> {
 }
 
 impl Tile<Key> {
+    /// Lets one more surface take part at a sample; `x` and `y` count from the tile's upper left pixel.
+    pub fn merge(&mut self, x: u32, y: u32, sample: u32, key: Key) {
+        let at = self.plane(sample as usize) + y as usize * self.stride + x as usize;
+        self.cells[at] = self.cells[at].max(key);
+    }
+
     /// Gives every sample that shows something the id that `f` makes of its own; depths stay.
     pub fn update_ids(&mut self, mut f: impl FnMut(SampleId) -> SampleId) {
         for cell in &mut self.cells {

@@ -1,0 +1,58 @@
+//! Faces with an opacity map: a sample shows them where the map is at least one half. The test happens before the sample takes part in
+//! visibility, so it does not depend on the order of drawing.
+
+use super::Frame;
+use super::tile::{Scratch, interpolate};
+use crate::raster::{Cell, Key, Tile, barycentrics, draw_block};
+use crate::records::SampleId;
+use crate::texture::Texture;
+
+/// Layers of one block kept per sample. A block is at most 32×32 micro-quads of one face; it seldom lies over itself even once.
+const DEPTH: usize = 4;
+
+/// The nearest few surfaces of one block at a sample, nearest first.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Layers([Key; DEPTH]);
+
+impl Cell for Layers {
+    #[inline(always)]
+    fn put(&mut self, hit: bool, depth: f32, id: u32, _front: bool) {
+        let mut key = if hit {
+            Key::new(depth, SampleId(id))
+        } else {
+            Key::EMPTY
+        };
+        for layer in &mut self.0 {
+            if key > *layer {
+                std::mem::swap(&mut key, layer);
+            }
+        }
+    }
+}
+
+/// Draws the block that stands in the scratch buffers, with its texture coordinates and footprints, through its opacity map.
+pub(super) fn draw_cutout(frame: &Frame<'_>, s: &mut Scratch, map: &Texture, rank: u32) {
+    let ([x0, y0], [width, height]) = (s.tile.origin(), s.tile.size());
+    let samples = frame.size.samples;
+    let layers = s
+        .layers
+        .get_or_insert_with(|| Tile::new(0, 0, 0, 0, samples));
+    layers.place(x0, y0, width, height, samples);
+    draw_block(frame.simd, layers, &s.projected, rank);
+    for sample in 0..samples {
+        for y in 0..height {
+            for x in 0..width {
+                for key in layers.cell(x, y, sample).0 {
+                    let Some(id) = key.id() else { break };
+                    let w = barycentrics(&s.projected, id, x0 + x, y0 + y, sample, samples);
+                    let at = |g: &[f32]| interpolate(g, id, w);
+                    let (u, v) = (at(&s.attributes.uvs.x), at(&s.attributes.uvs.y));
+                    if map.opacity(u, v, map.lod(at(&s.footprint))) >= 0.5 {
+                        s.tile.merge(x, y, sample, key);
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}
