@@ -21,13 +21,13 @@ struct Lamp {
 }
 
 /// Directions are in camera axes: right, up, towards the eye.
-const KEY: ([f64; 3], [f32; 3]) = ([-0.50, 0.62, 0.60], [0.98, 0.94, 0.88]);
-const FILL: ([f64; 3], [f32; 3]) = ([0.85, 0.05, 0.52], [0.13, 0.15, 0.18]);
-const RIM: ([f64; 3], [f32; 3]) = ([0.45, 0.60, -0.66], [0.42, 0.44, 0.47]);
-const SKY: [f32; 3] = [0.20, 0.21, 0.23];
-const GROUND: [f32; 3] = [0.085, 0.078, 0.070];
+const KEY: ([f64; 3], [f32; 3]) = ([-0.55, 0.66, 0.52], [1.16, 1.10, 1.01]);
+const FILL: ([f64; 3], [f32; 3]) = ([0.88, -0.05, 0.48], [0.085, 0.105, 0.135]);
+const RIM: ([f64; 3], [f32; 3]) = ([0.62, 0.42, -0.66], [1.30, 1.34, 1.40]);
+const SKY: [f32; 3] = [0.125, 0.135, 0.155];
+const GROUND: [f32; 3] = [0.052, 0.046, 0.040];
 /// How far light reaches around the terminator: 0 is Lambert's hard one, 1 leaves no dark side.
-const WRAP: f32 = 0.3;
+const WRAP: f32 = 0.22;
 /// Reflectance at normal incidence and weight of the highlight; larger looks like plastic.
 const GLOSS: f32 = 0.05;
 /// Where the shoulder begins: below, light is shown as it is; above, it approaches 1 and never arrives.
@@ -98,7 +98,7 @@ impl LightRig {
         let grazing = 1.0 - positive(dot(v, h));
         let g2 = grazing * grazing;
         let fresnel = GLOSS + (1.0 - GLOSS) * g2 * g2 * grazing;
-        let gloss = s16 * s16 * fresnel * 2.2 * key;
+        let gloss = s16 * s16 * fresnel * 3.6 * key;
 
         [0, 1, 2].map(|k| {
             let surround = GROUND[k] + (SKY[k] - GROUND[k]) * height;
