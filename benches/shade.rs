@@ -55,7 +55,8 @@ fn noise_wide(side: u32) -> Texture {
         .map(|i| (i.wrapping_mul(2_654_435_761) >> 16) as u16)
         .collect();
     let file = png::encode_rgb16(side, side, &values).expect("encodes");
-    Texture::decode(&file, Meaning::Color, &mut u64::MAX).expect("decodes")
+    let mut budget = u64::MAX;
+    Texture::decode(&file, Meaning::Color, &mut budget).expect("decodes")
 }
 
 fn shade(c: &mut Criterion) {
