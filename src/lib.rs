@@ -1,6 +1,7 @@
 //! earmark: subdivision surfaces without a GPU, from control cage to finished picture on CPU cores.
 
 pub mod camera;
+pub mod compare;
 pub mod dice;
 pub mod files;
 pub mod film;
