@@ -71,6 +71,10 @@ pub(crate) struct Mesh {
     pub(crate) materials: Vec<&'static str>,
     /// Creased edges and their sharpness.
     pub(crate) creases: Vec<(usize, usize, f64)>,
+    /// What each face belongs to: the unit of unwrapping and painting.
+    pub(crate) labels: Vec<u32>,
+    /// Edges along which charts are cut although both faces have one label.
+    pub(crate) seams: Vec<(usize, usize)>,
 }
 
 impl Mesh {
@@ -90,7 +94,13 @@ impl Mesh {
 
     /// Adds a face and returns its index.
     pub(crate) fn face(&mut self, corners: &[usize]) -> usize {
+        self.labelled(corners, 0)
+    }
+
+    /// Adds a face with a label and returns its index.
+    pub(crate) fn labelled(&mut self, corners: &[usize], label: u32) -> usize {
         self.faces.push(corners.to_vec());
+        self.labels.push(label);
         self.faces.len() - 1
     }
 
