@@ -186,6 +186,42 @@ impl Mesh {
         }
     }
 
+    /// Removes faces, and the points that no face uses any more.
+    pub(crate) fn remove(&mut self, dead: &BTreeSet<usize>) {
+        let keep = |f: &usize| !dead.contains(f);
+        let old = std::mem::take(&mut self.faces);
+        self.labels = (0..old.len())
+            .filter(keep)
+            .map(|f| self.labels[f])
+            .collect();
+        if !self.materials.is_empty() {
+            self.materials = (0..old.len())
+                .filter(keep)
+                .map(|f| self.materials[f])
+                .collect();
+        }
+        let mut new = vec![None; self.points.len()];
+        let mut points = Vec::new();
+        for (f, mut face) in old.into_iter().enumerate() {
+            if dead.contains(&f) {
+                continue;
+            }
+            for v in &mut face {
+                *v = *new[*v].get_or_insert_with(|| {
+                    points.push(self.points[*v]);
+                    points.len() - 1
+                });
+            }
+            self.faces.push(face);
+        }
+        self.points = points;
+        self.creases = self
+            .creases
+            .iter()
+            .filter_map(|&(a, b, s)| Some((new[a]?, new[b]?, s)))
+            .collect();
+    }
+
     /// Neighbours of every vertex along edges.
     pub(crate) fn neighbours(&self) -> Vec<Vec<usize>> {
         let mut n = vec![BTreeSet::new(); self.points.len()];

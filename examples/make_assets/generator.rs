@@ -4,6 +4,7 @@ pub(crate) mod creature;
 mod edit;
 pub(crate) mod mesh;
 mod paint;
+mod part;
 pub(crate) mod refine;
 mod teaching;
 pub(crate) mod unwrap;
@@ -14,6 +15,10 @@ pub(crate) fn files() -> Vec<(String, Vec<u8>)> {
     for (name, mesh) in teaching::all() {
         files.push((format!("{name}.obj"), mesh.to_obj().into_bytes()));
     }
+    for (name, support) in [("part.obj", true), ("part_creased.obj", false)] {
+        files.push((name.into(), part::build(support).to_obj().into_bytes()));
+    }
+    files.push(("part.mtl".into(), part::MATERIALS.as_bytes().to_vec()));
     let c = creature::build();
     files.push(("creature.obj".into(), c.mesh.to_obj().into_bytes()));
     files.push((
