@@ -1,0 +1,584 @@
+//! An axolotl: 26 rings from snout to tail, half of it built and mirrored, then bent into a pose.
+//!
+//! The body is a tube of ten quads per half ring, closed at both ends by a 6 by 4 grid of quads, so there are no poles. Eyes, legs
+//! and the slit of the mouth grow out of regions of that tube, gills and toes out of single quads; that is where the valences 3,
+//! 5 and 6 come from.
+
+use super::edit::{Extrusion, Ring};
+use super::mesh::{Mesh, V3, add, cross, dot, mix, scale, sub, unit};
+use super::refine::Net;
+use super::unwrap::unwrap;
+use std::f64::consts::PI;
+
+/// Labels of faces: what is unwrapped and painted as one.
+pub(crate) mod label {
+    pub(crate) const BACK: u32 = 0;
+    pub(crate) const BELLY: u32 = 1;
+    pub(crate) const MOUTH: u32 = 2;
+    pub(crate) const EYE: u32 = 3;
+    pub(crate) const LEG: u32 = 4;
+    pub(crate) const SOLE: u32 = 5;
+    pub(crate) const FOOT_RIM: u32 = 6;
+    pub(crate) const GILL_FRONT: u32 = 7;
+    pub(crate) const GILL_BACK: u32 = 8;
+    pub(crate) const GILL_RIM: u32 = 9;
+}
+
+/// Quads in half a ring.
+const ROWS: usize = 10;
+/// The slit of the mouth lies between this line and the next.
+const LIP: usize = 5;
+
+/// Rings from the snout to the tip of the tail, by z.
+const RINGS: [f64; 21] = [
+    0.66, 0.58, 0.49, 0.39, 0.28, 0.18, 0.08, -0.03, -0.12, -0.21, -0.32, -0.43, -0.52, -0.61,
+    -0.73, -0.86, -0.99, -1.12, -1.24, -1.35, -1.44,
+];
+
+/// z, half width, top, bottom, fin above, fin below.
+const PROFILE: [[f64; 6]; 13] = [
+    [0.72, 0.26, 0.60, 0.29, 0.0, 0.0],
+    [0.64, 0.35, 0.67, 0.245, 0.0, 0.0],
+    [0.54, 0.43, 0.755, 0.21, 0.0, 0.0],
+    [0.40, 0.49, 0.83, 0.18, 0.0, 0.0],
+    [0.25, 0.465, 0.81, 0.18, 0.0, 0.0],
+    [0.12, 0.36, 0.70, 0.20, 0.0, 0.0],
+    [0.02, 0.28, 0.62, 0.20, 0.0, 0.0],
+    [-0.12, 0.285, 0.59, 0.16, 0.02, 0.0],
+    [-0.35, 0.325, 0.59, 0.11, 0.08, 0.0],
+    [-0.55, 0.265, 0.55, 0.14, 0.14, 0.0],
+    [-0.74, 0.175, 0.49, 0.21, 0.21, 0.03],
+    [-1.05, 0.100, 0.44, 0.27, 0.27, 0.13],
+    [-1.46, 0.040, 0.38, 0.33, 0.10, 0.07],
+];
+
+/// The profile at z: cubic Hermite between the knots with the slopes of the neighbours.
+pub(crate) fn profile(z: f64) -> [f64; 5] {
+    let n = PROFILE.len();
+    let k = (0..n - 2)
+        .find(|&k| z >= PROFILE[k + 1][0])
+        .unwrap_or(n - 2);
+    let slope = |k: usize, c: usize| {
+        let (a, b) = (k.saturating_sub(1), (k + 1).min(n - 1));
+        (PROFILE[b][c] - PROFILE[a][c]) / (PROFILE[b][0] - PROFILE[a][0])
+    };
+    let (z0, z1) = (PROFILE[k][0], PROFILE[k + 1][0]);
+    let (h, t) = (z1 - z0, (z - z0) / (z1 - z0));
+    std::array::from_fn(|i| {
+        let c = i + 1;
+        let (p, q) = (PROFILE[k][c], PROFILE[k + 1][c]);
+        let (m, l) = (slope(k, c) * h, slope(k + 1, c) * h);
+        let (t2, t3) = (t * t, t * t * t);
+        p * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + m * (t3 - 2.0 * t2 + t)
+            + q * (3.0 * t2 - 2.0 * t3)
+            + l * (t3 - t2)
+    })
+}
+
+/// 0 below `a`, 1 above `b`, smooth between.
+pub(crate) fn smoothstep(a: f64, b: f64, x: f64) -> f64 {
+    let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Height of the mouth at z: nearly level in front, a smile further back.
+pub(crate) fn mouth_height(z: f64) -> f64 {
+    0.36 + 0.17 * smoothstep(0.74, 0.38, z)
+}
+
+/// Point of line `j` on the ring at `z`.
+fn ring_point(z: f64, j: usize) -> V3 {
+    let [w, top, bottom, fin_above, fin_below] = profile(z);
+    let (mid, h) = ((top + bottom) / 2.0, (top - bottom) / 2.0);
+    // Angle of the mouth, which the lines around it make room for; behind the mouth the lines are even.
+    let even = PI * (LIP as f64 + 0.5) / ROWS as f64;
+    let open = smoothstep(0.24, 0.44, z);
+    let lip = libm::acos(((mouth_height(z) - mid) / h).clamp(-0.9, 0.9));
+    let middle = even + (lip - even) * open;
+    let gap = PI / ROWS as f64 / 2.0 * (1.0 - 0.80 * open);
+    let angle = if j <= LIP {
+        (middle - gap) * j as f64 / LIP as f64
+    } else {
+        let t = (ROWS - j) as f64 / (ROWS - LIP - 1) as f64;
+        PI - (PI - middle - gap) * t
+    };
+    let (s, c) = (libm::sin(angle), libm::cos(angle));
+    let round = |x: f64| x.signum() * libm::pow(x.abs(), 0.9);
+    // Narrower above than at the cheeks.
+    let w = w * (1.0 - 0.14 * c.max(0.0));
+    let mut p = [w * round(s), mid + h * round(c), z];
+    // Fins pull the lines next to the middle together and out.
+    let thin = |fin: f64| smoothstep(0.0, 0.09, fin);
+    match j {
+        0 => p[1] += fin_above,
+        1 => {
+            p[1] += 0.62 * fin_above;
+            p[0] += (0.028 - p[0]) * thin(fin_above);
+        }
+        2 => p[1] += 0.08 * fin_above,
+        8 => p[1] -= 0.08 * fin_below,
+        9 => {
+            p[1] -= 0.62 * fin_below;
+            p[0] += (0.026 - p[0]) * thin(fin_below);
+        }
+        10 => p[1] -= fin_below,
+        _ => {}
+    }
+    if j == 0 || j == ROWS {
+        p[0] = 0.0;
+    }
+    p
+}
+
+/// Builds the half body and names its faces by section and row.
+struct Body {
+    mesh: Mesh,
+    /// `face[section][row]`.
+    face: Vec<[usize; ROWS]>,
+    /// Faces of the snout, `snout[row][column]`, column 0 at the mirror plane.
+    snout: [[usize; 3]; 4],
+}
+
+fn body() -> Body {
+    let mut m = Mesh::new("");
+    let lines: Vec<[usize; ROWS + 1]> = RINGS
+        .iter()
+        .map(|&z| std::array::from_fn(|j| m.point(ring_point(z, j))))
+        .collect();
+    let row_label = |j: usize| {
+        if j <= LIP { label::BACK } else { label::BELLY }
+    };
+    let face = lines
+        .windows(2)
+        .map(|w| {
+            std::array::from_fn(|j| {
+                m.labelled(&[w[0][j], w[0][j + 1], w[1][j + 1], w[1][j]], row_label(j))
+            })
+        })
+        .collect();
+    let snout = cap(&mut m, &lines[0], 0.10, false);
+    cap(&mut m, &lines[RINGS.len() - 1], -0.07, true);
+    Body {
+        mesh: m,
+        face,
+        snout,
+    }
+}
+
+/// Closes an end of the tube with three columns and four rows of quads, domed by `depth` along z.
+fn cap(m: &mut Mesh, line: &[usize; ROWS + 1], depth: f64, flip: bool) -> [[usize; 3]; 4] {
+    let mut v = [[0; 4]; 5];
+    for (c, &i) in line[..4].iter().enumerate() {
+        v[0][c] = i;
+    }
+    for (c, &i) in line[ROWS - 3..].iter().rev().enumerate() {
+        v[4][c] = i;
+    }
+    let (top, bottom) = (m.points[line[0]], m.points[line[ROWS]]);
+    for r in 1..4 {
+        v[r][3] = line[3 + r];
+        let side = m.points[line[3 + r]];
+        // In the middle column the mouth keeps its height; elsewhere rows are even.
+        let even = mix(top, bottom, r as f64 / 4.0);
+        let mut middle = even[1];
+        if !flip {
+            let lip = mouth_height(0.7);
+            middle = match r {
+                1 => (top[1] + lip) / 2.0 + 0.01,
+                2 => lip + 0.010,
+                _ => lip - 0.010,
+            };
+        }
+        for c in 0..3 {
+            let a = c as f64 / 3.0;
+            let b = 2.0 * r as f64 / 4.0 - 1.0;
+            let dome = (1.0 - a * a) * (1.0 - 0.6 * b * b);
+            let p = [
+                side[0] * a,
+                middle + (side[1] - middle) * a * a,
+                side[2] + depth * dome,
+            ];
+            v[r][c] = m.point(p);
+        }
+    }
+    std::array::from_fn(|r| {
+        std::array::from_fn(|c| {
+            let mut f = [v[r][c], v[r + 1][c], v[r + 1][c + 1], v[r][c + 1]];
+            if flip {
+                f.reverse();
+            }
+            let l = if r < 3 { label::BACK } else { label::BELLY };
+            m.labelled(&f, l)
+        })
+    })
+}
+
+/// Two by two faces of the tube.
+fn patch(b: &Body, section: usize, row: usize) -> [usize; 4] {
+    [
+        b.face[section][row],
+        b.face[section][row + 1],
+        b.face[section + 1][row],
+        b.face[section + 1][row + 1],
+    ]
+}
+
+/// Middle and axis of the right eye.
+pub(crate) const EYE: [V3; 2] = [[0.345, 0.605, 0.485], [0.74, 0.36, 0.56]];
+
+/// A bulging eye in a low lid.
+fn eye(b: &mut Body) {
+    let region = patch(b, 1, 2);
+    let axis = unit(EYE[1]);
+    for (radius, height) in [
+        (0.136, 0.014),
+        (0.118, 0.034),
+        (0.104, 0.032),
+        (0.098, 0.062),
+        (0.061, 0.097),
+    ] {
+        let ring = Ring {
+            centre: add(EYE[0], scale(axis, height)),
+            axis,
+            side: [0.0, 1.0, 0.0],
+            radii: [radius; 2],
+        };
+        let own = if radius < 0.11 {
+            // the eyeball
+
+            label::EYE
+        } else {
+            label::BACK
+        };
+        let e = b.mesh.grow(&region, &ring, |_| own);
+        for &v in &e.inner {
+            b.mesh.points[v] = add(b.mesh.points[v], scale(axis, 0.008));
+        }
+    }
+    for f in region {
+        b.mesh.labels[f] = label::EYE;
+    }
+}
+
+/// The slit: the row between the lips, from the middle to the corner of the mouth, pushed inwards.
+fn mouth(b: &mut Body) {
+    let mut region = b.snout[LIP - 3].to_vec();
+    region.extend((0..2).map(|s| b.face[s][LIP]));
+    for depth in [0.06] {
+        let e = b.mesh.extrude(&region, |_| label::MOUTH);
+        for &v in e.rim.iter().chain(&e.inner) {
+            let p = b.mesh.points[v];
+            let inward = unit([-p[0] * 0.9, 0.0, 0.25 - p[2]]);
+            b.mesh.points[v] = add(p, scale(inward, depth));
+            if p[0].abs() < 1e-9 {
+                b.mesh.points[v][0] = 0.0;
+            }
+        }
+    }
+    for f in region {
+        b.mesh.labels[f] = label::MOUTH;
+    }
+}
+
+/// Where a leg goes.
+struct Leg {
+    section: usize,
+    row: usize,
+    /// Middle, axis and radius of its rings, from the body down.
+    path: [(V3, V3, f64); 4],
+    /// Middle of the foot, on the ground.
+    foot: V3,
+    /// Direction of the foot in the plane, as an angle from z towards x.
+    turn: f64,
+}
+
+fn leg(b: &mut Body, leg: &Leg) {
+    let region = patch(b, leg.section, leg.row);
+    let ahead = [libm::sin(leg.turn), 0.0, libm::cos(leg.turn)];
+    let mut seam = Vec::new();
+    let mut back = None;
+    let mut all: Vec<Extrusion> = Vec::new();
+    let down = [0.0, -1.0, 0.0];
+    let mut rings: Vec<(V3, V3, [f64; 2])> =
+        leg.path.iter().map(|&(c, a, r)| (c, a, [r; 2])).collect();
+    let foot = leg.foot;
+    rings.push((add(foot, [0.0, 0.072, 0.0]), down, [0.082, 0.074]));
+    rings.push((add(foot, [0.0, 0.012, 0.0]), down, [0.092, 0.082]));
+    for (k, &(centre, axis, radii)) in rings.iter().enumerate() {
+        let own = if k + 1 == rings.len() {
+            label::FOOT_RIM
+        } else {
+            label::LEG
+        };
+        let ring = Ring {
+            centre,
+            axis,
+            side: ahead,
+            radii,
+        };
+        all.push(b.mesh.grow(&region, &ring, |_| own));
+    }
+    // The chart is cut along the line that ends nearest the heel, on the inner side.
+    let slab = &all[all.len() - 1];
+    let heel_side = unit(add(scale(ahead, -1.0), [-0.35, 0.0, 0.0]));
+    let along = |v: usize| dot(sub(b.mesh.points[v], foot), heel_side);
+    for k in 0..8 {
+        if back.is_none_or(|o: usize| along(slab.rim[k]) > along(slab.rim[o])) {
+            back = Some(k);
+        }
+    }
+    let back = back.unwrap_or(0);
+    for e in &all {
+        seam.push((e.base[back], e.rim[back]));
+    }
+    b.mesh.seams.extend(seam);
+    for f in region {
+        b.mesh.labels[f] = label::SOLE;
+    }
+    // Four toes out of the four sides that look ahead.
+    let mut sides: Vec<(f64, usize)> = slab
+        .sides
+        .iter()
+        .map(|&f| {
+            let n = b.mesh.normal(f);
+            let across = dot(n, cross([0.0, 1.0, 0.0], ahead));
+            (libm::atan2(across, dot(n, ahead)), f)
+        })
+        .collect();
+    sides.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    for &(angle, f) in &sides[..4] {
+        let spread = leg.turn + angle * 0.86;
+        let out = [libm::sin(spread), 0.0, libm::cos(spread)];
+        let long = 1.0 - 0.10 * angle.abs();
+        for (reach, y, radius) in [(0.15, 0.030, 0.033), (0.222, 0.024, 0.026)] {
+            let centre = add(foot, add(scale(out, reach * long), [0.0, y, 0.0]));
+            let ring = Ring {
+                centre,
+                axis: out,
+                side: [0.0, 1.0, 0.0],
+                radii: [radius * 0.86, radius],
+            };
+            b.mesh.grow(&[f], &ring, |l| match l {
+                label::LEG | label::SOLE => l,
+                _ => label::FOOT_RIM,
+            });
+        }
+    }
+}
+
+/// A gill: its root, its tip and how it bends.
+pub(crate) struct Gill {
+    pub(crate) root: V3,
+    pub(crate) tip: V3,
+    pub(crate) bend: V3,
+    row: usize,
+}
+
+/// The three gills of the right side.
+pub(crate) const GILLS: [Gill; 3] = [
+    Gill {
+        root: [0.21, 0.69, 0.13],
+        tip: [0.46, 1.13, -0.06],
+        bend: [0.06, -0.04, -0.10],
+        row: 1,
+    },
+    Gill {
+        root: [0.33, 0.56, 0.13],
+        tip: [0.80, 0.83, -0.10],
+        bend: [0.04, -0.08, -0.10],
+        row: 3,
+    },
+    Gill {
+        root: [0.36, 0.40, 0.13],
+        tip: [0.80, 0.44, -0.10],
+        bend: [0.02, -0.09, -0.10],
+        row: 5,
+    },
+];
+
+impl Gill {
+    /// Point and direction at `t` along it.
+    pub(crate) fn at(&self, t: f64) -> (V3, V3) {
+        let d = sub(self.tip, self.root);
+        let p = add(
+            mix(self.root, self.tip, t),
+            scale(self.bend, 4.0 * t * (1.0 - t)),
+        );
+        (p, unit(add(d, scale(self.bend, 4.0 - 8.0 * t))))
+    }
+}
+
+fn gill(b: &mut Body, g: &Gill) {
+    let f = b.face[5][g.row];
+    let ahead = [0.0, 0.0, 1.0];
+    let steps = [
+        (0.10, 0.064),
+        (0.20, 0.058),
+        (0.31, 0.054),
+        (0.41, 0.050),
+        (0.52, 0.047),
+        (0.61, 0.043),
+        (0.71, 0.040),
+        (0.79, 0.036),
+        (0.95, 0.026),
+    ];
+    let mut frills = Vec::new();
+    for (k, &(t, radius)) in steps.iter().enumerate() {
+        let (centre, axis) = g.at(t);
+        let ring = Ring {
+            centre,
+            axis,
+            side: ahead,
+            radii: [radius * 0.85, radius],
+        };
+        let e = b
+            .mesh
+            .grow(&[f], &ring, |l| if k == 0 { label::GILL_RIM } else { l });
+        for &s in &e.sides {
+            let n = dot(b.mesh.normal(s), ahead);
+            if k == 0 && n > 0.6 {
+                b.mesh.labels[s] = label::GILL_FRONT;
+            } else if k == 0 && n < -0.6 {
+                b.mesh.labels[s] = label::GILL_BACK;
+            } else if b.mesh.labels[s] == label::GILL_RIM && k % 2 == 1 {
+                frills.push((s, (t + steps[k - 1].0) / 2.0));
+            }
+        }
+    }
+    b.mesh.labels[f] = label::GILL_RIM;
+    for (s, t) in frills {
+        let (centre, axis) = g.at(t);
+        let out = b.mesh.normal(s);
+        let out = unit(sub(out, scale(axis, dot(axis, out))));
+        let tip = unit(add(out, scale(axis, 0.75)));
+        let long = 0.15 - 0.04 * t;
+        for (reach, radius) in [(1.0, 0.026)] {
+            let ring = Ring {
+                centre: add(add(centre, scale(out, 0.03)), scale(tip, reach * long)),
+                axis: tip,
+                side: ahead,
+                radii: [radius; 2],
+            };
+            b.mesh.grow(&[s], &ring, |l| match l {
+                label::GILL_FRONT | label::GILL_BACK => l,
+                _ => label::GILL_RIM,
+            });
+        }
+    }
+}
+
+/// The creature as it stands, and its points in the straight pose in which it is unwrapped and painted.
+pub(crate) struct Creature {
+    pub(crate) mesh: Mesh,
+    pub(crate) rest: Vec<V3>,
+}
+
+pub(crate) fn build() -> Creature {
+    let mut b = body();
+    mouth(&mut b);
+    eye(&mut b);
+    leg(
+        &mut b,
+        &Leg {
+            section: 7,
+            row: 6,
+            path: [
+                ([0.30, 0.31, -0.12], [0.9, -0.35, 0.1], 0.105),
+                ([0.39, 0.265, -0.105], [0.85, -0.6, 0.15], 0.090),
+                ([0.455, 0.195, -0.09], [0.45, -1.0, 0.15], 0.083),
+                ([0.478, 0.125, -0.08], [0.15, -1.0, 0.15], 0.076),
+            ],
+            foot: [0.485, 0.0, -0.055],
+            turn: 0.55,
+        },
+    );
+    leg(
+        &mut b,
+        &Leg {
+            section: 11,
+            row: 6,
+            path: [
+                ([0.25, 0.29, -0.56], [0.9, -0.35, 0.0], 0.125),
+                ([0.345, 0.255, -0.555], [0.85, -0.6, 0.0], 0.108),
+                ([0.42, 0.195, -0.55], [0.45, -1.0, 0.0], 0.090),
+                ([0.447, 0.125, -0.545], [0.15, -1.0, 0.0], 0.078),
+            ],
+            foot: [0.455, 0.0, -0.53],
+            turn: 0.75,
+        },
+    );
+    for g in &GILLS {
+        gill(&mut b, g);
+    }
+    let mut m = b.mesh;
+    m.mirror();
+    let mut weights = vec![0.3; m.points.len()];
+    for (f, face) in m.faces.iter().enumerate() {
+        if m.labels[f] != label::BACK && m.labels[f] != label::BELLY {
+            for &v in face {
+                weights[v] = 0.0;
+            }
+        }
+    }
+    m.relax(&weights, 4);
+    let smooth = |m: &Mesh| {
+        let net = Net::new(m.points.clone(), m.faces.clone());
+        net.refine().refine().refine().points
+    };
+    let at = smooth(&m);
+    unwrap(&mut m, &at, |l| match l {
+        label::EYE => 1.7,
+        label::MOUTH | label::SOLE => 0.7,
+        _ => 1.0,
+    });
+    let rest = m.points.clone();
+    m.points = rest.iter().map(|&p| pose(p)).collect();
+    // The smooth surface, not the cage, stands on the ground.
+    let low = smooth(&m).iter().map(|p| p[1]).fold(f64::MAX, f64::min);
+    for p in &mut m.points {
+        p[1] -= low;
+    }
+    m.title = "Axolotl: closed, all quads, one texture.".to_owned();
+    m.library = Some("creature.mtl".to_owned());
+    m.materials = vec!["skin"; m.faces.len()];
+    Creature { mesh: m, rest }
+}
+
+/// Bends the rest pose: a step forward, head tilted and turned, tail swung round.
+fn pose([x, y, z]: V3) -> V3 {
+    // Legs of one diagonal step ahead, those of the other back.
+    let diagonal = if (z > -0.33) == (x > 0.0) { 1.0 } else { -1.0 };
+    let z = z + diagonal
+        * 0.07
+        * smoothstep(0.34, 0.02, y)
+        * smoothstep(0.24, 0.42, x.abs())
+        * smoothstep(0.30, 0.15, z);
+    // Head.
+    let head = smoothstep(-0.02, 0.30, z);
+    let tilt = -0.10 * head;
+    let (s, c) = (libm::sin(tilt), libm::cos(tilt));
+    let (dx, dy) = (x, y - 0.42);
+    let (x, y) = (c * dx - s * dy, 0.42 + s * dx + c * dy);
+    let y = y + 0.03 * head + 0.12 * smoothstep(-0.8, -1.5, z);
+    // Spine: the heading is a function of z, the curve its integral. Hind legs turn as a whole about the hip.
+    let heading = |z: f64| 0.22 * smoothstep(0.0, 0.45, z) - 1.6 * smoothstep(-0.45, -1.60, z);
+    let hip = -0.56;
+    let rigid = if z < -0.33 {
+        smoothstep(0.20, 0.34, x.abs())
+    } else {
+        0.0
+    };
+    let at = z + (hip - z) * rigid;
+    let steps = 64;
+    let h = at / f64::from(steps);
+    let mut spine = [0.0, 0.0];
+    for k in 0..steps {
+        let a = heading((f64::from(k) + 0.5) * h);
+        spine[0] += libm::sin(a) * h;
+        spine[1] += libm::cos(a) * h;
+    }
+    let (s, c) = (libm::sin(heading(at)), libm::cos(heading(at)));
+    let rest = z - at;
+    [spine[0] + x * c + rest * s, y, spine[1] - x * s + rest * c]
+}
