@@ -25,7 +25,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
     pub fn below(&mut self, n: u32) -> u32 {
-        (u64::from(self.bits()) * u64::from(n) >> 32) as u32
+        ((u64::from(self.bits()) * u64::from(n)) >> 32) as u32
     }
 }
 
