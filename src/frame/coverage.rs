@@ -36,10 +36,17 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Renderer::render_view`].
-    pub fn signed_coverage(&self, scene: &Scene, view: &View, fault: CoverageFault) -> Result<SignedCoverage, RenderError> {
+    pub fn signed_coverage(
+        &self,
+        scene: &Scene,
+        view: &View,
+        fault: CoverageFault,
+    ) -> Result<SignedCoverage, RenderError> {
         self.with_frame(scene, view, |frame, _| {
-            let tiles: Vec<SignedCoverage> =
-                (0..frame.grid.len()).into_par_iter().map(|t| tile_coverage(frame, t, fault)).collect();
+            let tiles: Vec<SignedCoverage> = (0..frame.grid.len())
+                .into_par_iter()
+                .map(|t| tile_coverage(frame, t, fault))
+                .collect();
             let mut counts = SignedCoverage::default();
             for t in tiles {
                 counts.samples += t.samples;
@@ -54,15 +61,29 @@ impl Renderer {
 fn tile_coverage(frame: &Frame<'_>, tile: usize, fault: CoverageFault) -> SignedCoverage {
     let [x0, y0, width, height] = frame.grid.rect(tile);
     let mut cells: Tile<Coverage> = Tile::new(x0, y0, width, height, frame.size.samples);
-    let (mut scratch, mut points, mut projected) = (SourceScratch::default(), Grid3::boxed(), ProjectedBlock::boxed());
-    let rule = if fault == CoverageFault::NoTieRule { Fault::NoTieRule } else { Fault::None };
+    let (mut scratch, mut points, mut projected) = (
+        SourceScratch::new(frame.simd),
+        Grid3::boxed(),
+        ProjectedBlock::boxed(),
+    );
+    let rule = if fault == CoverageFault::NoTieRule {
+        Fault::NoTieRule
+    } else {
+        Fault::None
+    };
     for &item in frame.bins.items(tile) {
         let source = frame.source_of(item);
         let local = item - source.first_item;
         let [nu, nv] = source.blocks(local);
         for block in (0..nu * nv).map(|b| [b % nu, b / nu]) {
             source.dice(&mut scratch, local, block, &mut points, None);
-            project(frame.simd, &points, source.block_size(), &frame.view.projection, &mut projected);
+            project(
+                frame.simd,
+                &points,
+                source.block_size(),
+                &frame.view.projection,
+                &mut projected,
+            );
             if fault == CoverageFault::MovedCorner && item % 7 == 3 {
                 projected.nudge(0, 0, 1);
             }

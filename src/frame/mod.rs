@@ -7,6 +7,8 @@
 //! Tiles are independent and each is drawn by one thread from its bin, whose items stand in ascending order. So the picture is the
 //! same for any number of threads. No thread waits for another but at the end of a stage.
 
+#[doc(hidden)]
+pub mod coverage;
 mod cutout;
 mod level;
 mod scene;
@@ -202,6 +204,25 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn render_view(&self, scene: &Scene, view: &View) -> Result<Finished, RenderError> {
+        self.with_frame(scene, view, |frame, mut stats| {
+            let begin = Instant::now();
+            let image = self.tiles(frame, &mut stats)?;
+            stats.wall[2] = begin.elapsed();
+            Ok(Finished {
+                image,
+                stats,
+                view: *view,
+            })
+        })
+    }
+
+    /// Sets a frame up, bins its items, and hands it to `draw`.
+    fn with_frame<T>(
+        &self,
+        scene: &Scene,
+        view: &View,
+        draw: impl FnOnce(&Frame<'_>, FrameStats) -> Result<T, LimitError>,
+    ) -> Result<T, RenderError> {
         self.check_size()?;
         let levels = self.levels(scene, view)?;
         let (sources, item_count) = Source::all(scene, self.drawing, &levels);
@@ -243,20 +264,13 @@ impl Renderer {
             ..FrameStats::default()
         };
         let begin = Instant::now();
-        let boxes = self.setup(&frame, item_count, &mut stats)?;
-        let set_up = Instant::now();
+        let boxes = self.setup(&frame, item_count)?;
+        stats.wall[0] = begin.elapsed();
+        let begin = Instant::now();
         frame.bins = Bins::new(&frame.grid, &boxes);
         drop(boxes);
-        let binned = Instant::now();
-        let image = self.tiles(&frame, &mut stats)?;
-        if self.measure {
-            stats.wall = [set_up - begin, binned - set_up, binned.elapsed()];
-        }
-        Ok(Finished {
-            image,
-            stats,
-            view: *view,
-        })
+        stats.wall[1] = begin.elapsed();
+        Ok(draw(&frame, stats)?)
     }
 
     fn check_size(&self) -> Result<(), RenderError> {
@@ -305,13 +319,11 @@ impl Renderer {
         &self,
         frame: &Frame<'_>,
         item_count: u32,
-        stats: &mut FrameStats,
     ) -> Result<Vec<Option<PixelBox>>, LimitError> {
-        let begin = Instant::now();
         let mut boxes = vec![None; item_count as usize];
         const CHUNK: usize = 1024;
         boxes.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
-            || (SourceScratch::default(), Vec::new()),
+            || (SourceScratch::new(self.simd), Vec::new()),
             |(scratch, hull), (k, chunk)| {
                 self.limits.check()?;
                 for (i, out) in chunk.iter_mut().enumerate() {
@@ -322,7 +334,6 @@ impl Renderer {
                 Ok(())
             },
         )?;
-        let _ = (begin, stats);
         Ok(boxes)
     }
 
@@ -331,7 +342,7 @@ impl Renderer {
             .into_par_iter()
             .with_max_len(1)
             .map_init(
-                || Scratch::new(self.size.samples),
+                || Scratch::new(self.size.samples, self.simd),
                 |scratch, tile| {
                     self.limits.check()?;
                     scratch.times = StageTimes::measuring(self.measure);
