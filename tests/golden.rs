@@ -228,7 +228,7 @@ fn report(failures: &[(String, Option<Image>, Image)]) -> PathBuf {
                 save("difference", &difference);
             }
             figures = compare(expected, actual)
-                .map_or_else(|| "sizes differ".into(), |c| format!("{c:?}"));
+                .map_or_else(|_| "sizes differ".into(), |c| format!("{c:?}"));
         }
         std::fs::write(out.join(format!("{name}.txt")), &figures).unwrap();
         let cell = |kind: &str| format!("<td><img src='{name}.{kind}.png' alt='{kind}'><br>{kind}");

@@ -22,7 +22,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "surface",
         &[
-            "math", "records", "scheme", "topology", "mesh", "dice", "Cage", "Surface",
+            "math", "simd", "records", "scheme", "topology", "mesh", "dice", "Cage", "Surface",
         ],
     ),
     ("raster", &["math", "simd", "records", "dispatch"]),

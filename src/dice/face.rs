@@ -252,6 +252,30 @@ impl FacePatch {
                 level: level - 1,
             });
         }
+        if level == 1 {
+            // No piece reaches the middle of a side between two irregular corners: a point of its own, without orientation.
+            for c in 0..4 {
+                if !regular[c] && !regular[(c + 1) % 4] {
+                    let full = turn(&net, c);
+                    let at = std::array::from_fn(|r| {
+                        std::array::from_fn(|k| {
+                            if r < 3 && k < 3 {
+                                full[r][k + 1]
+                            } else {
+                                P4::ZERO
+                            }
+                        })
+                    });
+                    let origin = [[1, 0], [2, 1], [1, 2], [0, 1]][c];
+                    self.pieces.push(Piece {
+                        net: at,
+                        origin,
+                        size: 0,
+                        level: 0,
+                    });
+                }
+            }
+        }
         for c in 0..4 {
             if !regular[c] {
                 self.refine_corner(c, &net, series[c], level);

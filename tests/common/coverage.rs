@@ -1,4 +1,5 @@
 //! Signed coverage of a closed model from many cameras.
+#![allow(dead_code, missing_docs, unreachable_pub)]
 
 use super::common::Random;
 use earmark::Scene;

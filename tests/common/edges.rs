@@ -1,4 +1,5 @@
 //! What the rasteriser gets of an edge from either of its faces.
+#![allow(dead_code, missing_docs, unreachable_pub)]
 
 use earmark::camera::{Camera, View};
 use earmark::dice::DiceFault;
