@@ -1,13 +1,14 @@
-//! An axolotl: 26 rings from snout to tail, half of it built and mirrored, then bent into a pose.
+//! An axolotl: 21 rings from snout to tail, half of it built and mirrored, then bent into a pose.
 //!
 //! The body is a tube of ten quads per half ring, closed at both ends by a 6 by 4 grid of quads, so there are no poles. Eyes, legs
 //! and the slit of the mouth grow out of regions of that tube, gills and toes out of single quads; that is where the valences 3,
 //! 5 and 6 come from.
 
 use super::edit::{Extrusion, Ring};
-use super::mesh::{Mesh, V3, add, cross, dot, mix, scale, sub, unit};
+use super::mesh::{Mesh, V3, add, cross, dot, length, mix, scale, sub, unit};
 use super::refine::Net;
 use super::unwrap::unwrap;
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 /// Labels of faces: what is unwrapped and painted as one.
@@ -31,7 +32,7 @@ const LIP: usize = 5;
 
 /// Rings from the snout to the tip of the tail, by z.
 const RINGS: [f64; 21] = [
-    0.66, 0.58, 0.49, 0.39, 0.28, 0.18, 0.08, -0.03, -0.12, -0.21, -0.32, -0.43, -0.52, -0.61,
+    0.66, 0.60, 0.49, 0.37, 0.27, 0.18, 0.08, -0.03, -0.12, -0.21, -0.32, -0.43, -0.52, -0.61,
     -0.73, -0.86, -0.99, -1.12, -1.24, -1.35, -1.44,
 ];
 
@@ -190,7 +191,7 @@ fn cap(m: &mut Mesh, line: &[usize; ROWS + 1], depth: f64, flip: bool) -> [[usiz
                 _ => lip - 0.010,
             };
         }
-        for c in 0..3 {
+        for (c, vertex) in v[r].iter_mut().enumerate().take(3) {
             let a = c as f64 / 3.0;
             let b = 2.0 * r as f64 / 4.0 - 1.0;
             let dome = (1.0 - a * a) * (1.0 - 0.6 * b * b);
@@ -199,7 +200,7 @@ fn cap(m: &mut Mesh, line: &[usize; ROWS + 1], depth: f64, flip: bool) -> [[usiz
                 middle + (side[1] - middle) * a * a,
                 side[2] + depth * dome,
             ];
-            v[r][c] = m.point(p);
+            *vertex = m.point(p);
         }
     }
     std::array::from_fn(|r| {
@@ -231,10 +232,24 @@ pub(crate) const EYE: [V3; 2] = [[0.345, 0.605, 0.485], [0.74, 0.36, 0.56]];
 fn eye(b: &mut Body) {
     let region = patch(b, 1, 2);
     let axis = unit(EYE[1]);
+    // Room for the lid: the patch is a little smaller than the eye.
+    let rim: BTreeSet<usize> = region
+        .iter()
+        .flat_map(|&f| b.mesh.faces[f].clone())
+        .collect();
+    for v in rim {
+        let d = sub(b.mesh.points[v], EYE[0]);
+        let out = scale(axis, dot(axis, d));
+        let d = sub(d, out);
+        let far = length(d).max(0.158);
+        if length(d) > 0.06 {
+            b.mesh.points[v] = add(EYE[0], add(out, scale(unit(d), far)));
+        }
+    }
     for (radius, height) in [
-        (0.136, 0.014),
-        (0.118, 0.034),
-        (0.104, 0.032),
+        (0.124, 0.012),
+        (0.114, 0.032),
+        (0.103, 0.032),
         (0.098, 0.062),
         (0.061, 0.097),
     ] {
@@ -453,18 +468,16 @@ fn gill(b: &mut Body, g: &Gill) {
         let out = unit(sub(out, scale(axis, dot(axis, out))));
         let tip = unit(add(out, scale(axis, 0.75)));
         let long = 0.15 - 0.04 * t;
-        for (reach, radius) in [(1.0, 0.026)] {
-            let ring = Ring {
-                centre: add(add(centre, scale(out, 0.03)), scale(tip, reach * long)),
-                axis: tip,
-                side: ahead,
-                radii: [radius; 2],
-            };
-            b.mesh.grow(&[s], &ring, |l| match l {
-                label::GILL_FRONT | label::GILL_BACK => l,
-                _ => label::GILL_RIM,
-            });
-        }
+        let ring = Ring {
+            centre: add(add(centre, scale(out, 0.03)), scale(tip, long)),
+            axis: tip,
+            side: ahead,
+            radii: [0.026; 2],
+        };
+        b.mesh.grow(&[s], &ring, |l| match l {
+            label::GILL_FRONT | label::GILL_BACK => l,
+            _ => label::GILL_RIM,
+        });
     }
 }
 
@@ -528,7 +541,7 @@ pub(crate) fn build() -> Creature {
     };
     let at = smooth(&m);
     unwrap(&mut m, &at, |l| match l {
-        label::EYE => 1.7,
+        label::EYE => 1.4,
         label::MOUTH | label::SOLE => 0.7,
         _ => 1.0,
     });

@@ -137,7 +137,11 @@ fn body(p: V3) -> V3 {
     c = mix(c, hex(0xe8_4f63), 0.75 * fin);
     c = mix(c, hex(0xff_b59a), 0.55 * fin * smoothstep(0.35, 0.8, ray));
     // Face: blush, nostrils, darker lips.
-    c = mix(c, hex(0xf2_5f74), 0.62 * gauss(p, [0.46, 0.40, 0.36], 0.12));
+    c = mix(
+        c,
+        hex(0xf2_5f74),
+        0.62 * gauss(p, [0.465, 0.425, 0.35], 0.12),
+    );
     let nostril = ((p[0].abs() - 0.095) / 0.017, (p[1] - 0.515) / 0.012);
     let nostril = (nostril.0 * nostril.0 + nostril.1 * nostril.1).sqrt();
     c = mix(

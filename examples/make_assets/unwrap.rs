@@ -5,7 +5,7 @@
 //! the cage. Packing puts large charts first and slides each to the lowest free place of a coarse bitmap.
 
 use super::mesh::{Mesh, V3, cross, dot, length, sub, unit};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
 
 /// A connected piece of the surface with its own flat coordinates.
@@ -291,6 +291,39 @@ impl Chart {
         }
     }
 
+    /// Pulls the vertices of folded and nearly folded triangles towards their neighbours until none is left.
+    fn unfold(&mut self, at: &[V3]) {
+        let triangles = self.triangles(at);
+        let mut neighbours = vec![Vec::new(); self.vertex.len()];
+        for c in &self.corners {
+            for k in 0..c.len() {
+                let (a, b) = (c[k], c[(k + 1) % c.len()]);
+                neighbours[a].push(b);
+                neighbours[b].push(a);
+            }
+        }
+        for _ in 0..100 {
+            let folded: BTreeSet<usize> = triangles
+                .iter()
+                .filter(|(i, x)| {
+                    area(i.iter().map(|&v| self.uv[v])) < 0.04 * area(x.iter().copied())
+                })
+                .flat_map(|(i, _)| *i)
+                .collect();
+            if folded.is_empty() {
+                break;
+            }
+            for v in folded {
+                let n = neighbours[v].len() as f64;
+                let s = neighbours[v].iter().fold([0.0; 2], |s, &w| {
+                    [s[0] + self.uv[w][0] / n, s[1] + self.uv[w][1] / n]
+                });
+                let p = self.uv[v];
+                self.uv[v] = [p[0] * 0.8 + s[0] * 0.2, p[1] * 0.8 + s[1] * 0.2];
+            }
+        }
+    }
+
     /// Turns the chart so that its box is smallest and lies lengthwise, and moves it to the origin. Returns the box.
     fn settle(&mut self) -> [f64; 2] {
         let boxed = |uv: &[[f64; 2]]| {
@@ -329,11 +362,11 @@ impl Chart {
 /// Cells along a side of the packing bitmap; charts stay one cell apart.
 const CELLS: usize = 256;
 
-/// The cells a chart touches at some scale, grown by one cell.
-fn footprint(chart: &Chart, scale: f64) -> Vec<Vec<bool>> {
+/// The cells a chart touches at some scale: 2 where it lies, 1 next to that, which must be free of other charts.
+fn footprint(chart: &Chart, scale: f64) -> Vec<Vec<u8>> {
     let top = |d: usize| chart.uv.iter().map(|p| p[d]).fold(0.0, f64::max);
     let (w, h) = ((top(0) * scale) as usize + 3, (top(1) * scale) as usize + 3);
-    let mut mask = vec![vec![false; w]; h];
+    let mut mask = vec![vec![0_u8; w]; h];
     for c in &chart.corners {
         // A quad is sampled densely enough to hit every cell it covers.
         let p: Vec<[f64; 2]> = c.iter().map(|&v| chart.uv[v].map(|x| x * scale)).collect();
@@ -363,9 +396,10 @@ fn footprint(chart: &Chart, scale: f64) -> Vec<Vec<bool>> {
                         .take((x + 2).min(w))
                         .skip(x.saturating_sub(1))
                     {
-                        *cell = true;
+                        *cell = (*cell).max(1);
                     }
                 }
+                mask[y][x] = 2;
             }
         }
     }
@@ -386,33 +420,35 @@ fn shifted(row: &Row, x: usize) -> Row {
     })
 }
 
-/// Places of all charts (in cells, and whether turned by 90 degrees) or `None` when they do not fit.
-fn place(charts: &[Chart], order: &[usize], scale: f64) -> Option<Vec<([usize; 2], bool)>> {
+/// Places of all charts (in cells, and quarter turns clockwise) or `None` when they do not fit.
+fn place(charts: &[Chart], order: &[usize], scale: f64) -> Option<Vec<([usize; 2], u8)>> {
     let mut taken = vec![[0_u64; CELLS / 64]; CELLS];
-    let mut places = vec![([0, 0], false); charts.len()];
+    let mut places = vec![([0, 0], 0); charts.len()];
     for &i in order {
-        let straight = footprint(&charts[i], scale);
-        let turned: Vec<Vec<bool>> = (0..straight[0].len())
-            .rev()
-            .map(|x| straight.iter().map(|row| row[x]).collect())
-            .collect();
-        // Lowest upper edge, then leftmost, of both orientations.
-        let mut best: Option<(usize, usize, usize, bool, Vec<Row>)> = None;
-        for (mask, turn) in [(straight, false), (turned, true)] {
+        let mut mask = footprint(&charts[i], scale);
+        // Lowest upper edge, then leftmost, of the four orientations.
+        let mut best: Option<(usize, usize, usize, u8, Vec<Row>)> = None;
+        for turn in 0..4 {
+            if turn > 0 {
+                mask = (0..mask[0].len())
+                    .rev()
+                    .map(|x| mask.iter().map(|row| row[x]).collect())
+                    .collect();
+            }
             let (w, h) = (mask[0].len(), mask.len());
             if w > CELLS || h > CELLS {
                 continue;
             }
-            let rows: Vec<Row> = mask
-                .iter()
-                .map(|row| {
-                    std::array::from_fn(|k| {
-                        (0..64)
-                            .filter(|b| row.get(k * 64 + b).copied().unwrap_or(false))
-                            .fold(0, |word, b| word | 1 << b)
-                    })
-                })
-                .collect();
+            let bits = |least: u8| -> Vec<Row> {
+                let word = |row: &[u8], k: usize| {
+                    let set = |b: &u32| row.get(k * 64 + *b as usize).is_some_and(|&c| c >= least);
+                    (0..64).filter(set).fold(0, |word, b| word | 1 << b)
+                };
+                mask.iter()
+                    .map(|row| std::array::from_fn(|k| word(row, k)))
+                    .collect()
+            };
+            let rows = bits(1);
             let free = |x: usize, y: usize| {
                 rows.iter()
                     .zip(&taken[y..])
@@ -422,7 +458,7 @@ fn place(charts: &[Chart], order: &[usize], scale: f64) -> Option<Vec<([usize; 2
                 .take_while(|y| best.as_ref().is_none_or(|b| y + h < b.0))
                 .find_map(|y| (0..=CELLS - w).find(|&x| free(x, y)).map(|x| (x, y)));
             if let Some((x, y)) = found {
-                best = Some((y + h, x, y, turn, rows));
+                best = Some((y + h, x, y, turn, bits(2)));
             }
         }
         let (_, x, y, turn, rows) = best?;
@@ -445,26 +481,37 @@ pub(crate) fn unwrap(m: &mut Mesh, at: &[V3], density: impl Fn(u32) -> f64) -> V
     for chart in &mut charts {
         chart.tutte(at);
         chart.relax(at, 120);
+        chart.unfold(at);
         let mut sized = chart.clone();
         let d = density(m.labels[chart.faces[0]]);
         for p in &mut sized.uv {
             *p = p.map(|x| x * d);
         }
         let size = sized.settle();
-        packed.push((size[0] * size[1], sized));
+        packed.push((size, sized));
     }
-    let mut order: Vec<usize> = (0..packed.len()).collect();
-    order.sort_by(|&a, &b| packed[b].0.total_cmp(&packed[a].0));
+    // Large charts first, by length and by something nearer area: greedy packing is too uneven to trust one order.
+    let orders: Vec<Vec<usize>> = [0.0, 0.6]
+        .map(|bias| {
+            let measure = |&k: &usize| {
+                let [w, h]: [f64; 2] = packed[k].0;
+                libm::pow(h / w, bias) * w
+            };
+            let mut order: Vec<usize> = (0..packed.len()).collect();
+            order.sort_by(|a, b| measure(b).total_cmp(&measure(a)));
+            order
+        })
+        .to_vec();
     let sized: Vec<Chart> = packed.into_iter().map(|(_, c)| c).collect();
     let total: f64 = sized
         .iter()
         .flat_map(|c| c.corners.iter().map(|q| area(q.iter().map(|&v| c.uv[v]))))
         .sum();
-    // The largest scale that fits, from one that would fill the whole square.
-    let mut scale = 0.95 * CELLS as f64 / total.sqrt();
+    // The largest scale that fits, from one that would fill three fifths of the square.
+    let mut scale = 0.78 * CELLS as f64 / total.sqrt();
     let places = loop {
-        scale *= 0.985;
-        if let Some(p) = place(&sized, &order, scale) {
+        scale *= 0.99;
+        if let Some(p) = orders.iter().find_map(|o| place(&sized, o, scale)) {
             break p;
         }
     };
@@ -472,10 +519,14 @@ pub(crate) fn unwrap(m: &mut Mesh, at: &[V3], density: impl Fn(u32) -> f64) -> V
     m.face_uvs = vec![Vec::new(); m.faces.len()];
     for (chart, &([x, y], turn)) in sized.iter().zip(&places) {
         let first = m.uvs.len();
-        let width = footprint(chart, scale)[0].len() as f64;
+        let mask = footprint(chart, scale);
         for p in &chart.uv {
-            let (a, b) = (p[0] * scale + 1.0, p[1] * scale + 1.0);
-            let q = if turn { [b, width - a] } else { [a, b] };
+            let mut q = p.map(|c| c * scale + 1.0);
+            let mut size = [mask[0].len() as f64, mask.len() as f64];
+            for _ in 0..turn {
+                q = [q[1], size[0] - q[0]];
+                size.reverse();
+            }
             m.uvs.push([
                 (q[0] + x as f64) / CELLS as f64,
                 (q[1] + y as f64) / CELLS as f64,
