@@ -2,7 +2,9 @@
 
 pub(crate) mod creature;
 mod edit;
+mod limbs;
 pub(crate) mod mesh;
+mod pack;
 mod paint;
 mod part;
 pub(crate) mod refine;

@@ -3,7 +3,8 @@
 //! Since colour depends on the place in space and not on the chart, it agrees on both sides of every seam. Texels outside all
 //! charts continue the nearest chart for some texels, so that filtering never reaches the background.
 
-use super::creature::{Creature, EYE, GILLS, label, mouth_height, profile, smoothstep};
+use super::creature::{Creature, EYE, label, mouth_height, profile, smoothstep};
+use super::limbs::GILLS;
 use super::mesh::{V3, add, cross, dot, length, mix, scale, sub, unit};
 use super::refine::Net;
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,7 +87,7 @@ fn eye(p: V3) -> V3 {
 }
 
 fn body(p: V3) -> V3 {
-    let [w, top, bottom, fin_above, fin_below] = profile(p[2].clamp(-1.5, 0.72));
+    let [_, top, bottom, fin_above, fin_below] = profile(p[2].clamp(-1.5, 0.72));
     let height = (p[1] - bottom) / (top - bottom);
     let head = smoothstep(0.05, 0.22, p[2]);
     let mut c = mix(
@@ -137,7 +138,11 @@ fn body(p: V3) -> V3 {
     c = mix(c, hex(0xe8_4f63), 0.75 * fin);
     c = mix(c, hex(0xff_b59a), 0.55 * fin * smoothstep(0.35, 0.8, ray));
     // Face: blush, nostrils, darker lips.
-    c = mix(c, hex(0xf2_5f74), 0.62 * gauss(p, [0.46, 0.40, 0.36], 0.12));
+    c = mix(
+        c,
+        hex(0xf2_5f74),
+        0.62 * gauss(p, [0.465, 0.425, 0.35], 0.12),
+    );
     let nostril = ((p[0].abs() - 0.095) / 0.017, (p[1] - 0.515) / 0.012);
     let nostril = (nostril.0 * nostril.0 + nostril.1 * nostril.1).sqrt();
     c = mix(
@@ -151,7 +156,6 @@ fn body(p: V3) -> V3 {
         hex(0xd0_6474),
         0.55 * smoothstep(0.030, 0.012, lip) * smoothstep(0.40, 0.46, p[2]),
     );
-    let _ = w;
     // A light ring round the eye.
     let e = length(sub([p[0].abs(), p[1], p[2]], EYE[0]));
     mix(c, hex(0xff_d6c8), 0.6 * smoothstep(0.175, 0.125, e))

@@ -114,13 +114,8 @@ impl<const D: usize> Net<D> {
                 let (a, b) = (face[k % n], face[(k + 1) % n]);
                 old + edges[&(a.min(b), a.max(b))]
             };
-            for k in 0..n {
-                faces.push(vec![
-                    face[k],
-                    edge(k),
-                    old + ends.len() + f,
-                    edge(k + n - 1),
-                ]);
+            for (k, &v) in face.iter().enumerate() {
+                faces.push(vec![v, edge(k), old + ends.len() + f, edge(k + n - 1)]);
             }
         }
         let mut fixed = self.fixed.clone();

@@ -2,10 +2,11 @@
 //!
 //! A chart is first laid into a disc (Tutte, *How to draw a graph*, 1963), which cannot fold, and then relaxed to be as rigid as
 //! possible (Liu et al., *A local/global approach to mesh parameterization*, 2008). Lengths are those of the smooth surface, not of
-//! the cage. Packing puts large charts first and slides each to the lowest free place of a coarse bitmap.
+//! the cage.
 
 use super::mesh::{Mesh, V3, cross, dot, length, sub, unit};
-use std::collections::BTreeMap;
+use super::pack::{CELLS, footprint, layout};
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
 
 /// A connected piece of the surface with its own flat coordinates.
@@ -291,8 +292,41 @@ impl Chart {
         }
     }
 
-    /// Turns the chart so that its box is smallest and lies lengthwise, and moves it to the origin. Returns the box.
-    fn settle(&mut self) -> [f64; 2] {
+    /// Pulls the vertices of folded and nearly folded triangles towards their neighbours until none is left.
+    fn unfold(&mut self, at: &[V3]) {
+        let triangles = self.triangles(at);
+        let mut neighbours = vec![Vec::new(); self.vertex.len()];
+        for c in &self.corners {
+            for k in 0..c.len() {
+                let (a, b) = (c[k], c[(k + 1) % c.len()]);
+                neighbours[a].push(b);
+                neighbours[b].push(a);
+            }
+        }
+        for _ in 0..100 {
+            let folded: BTreeSet<usize> = triangles
+                .iter()
+                .filter(|(i, x)| {
+                    area(i.iter().map(|&v| self.uv[v])) < 0.04 * area(x.iter().copied())
+                })
+                .flat_map(|(i, _)| *i)
+                .collect();
+            if folded.is_empty() {
+                break;
+            }
+            for v in folded {
+                let n = neighbours[v].len() as f64;
+                let s = neighbours[v].iter().fold([0.0; 2], |s, &w| {
+                    [s[0] + self.uv[w][0] / n, s[1] + self.uv[w][1] / n]
+                });
+                let p = self.uv[v];
+                self.uv[v] = [p[0] * 0.8 + s[0] * 0.2, p[1] * 0.8 + s[1] * 0.2];
+            }
+        }
+    }
+
+    /// Turns the chart so that its box is smallest and lies lengthwise, and moves it to the origin.
+    fn settle(&mut self) {
         let boxed = |uv: &[[f64; 2]]| {
             let (mut lo, mut hi) = ([f64::MAX; 2], [f64::MIN; 2]);
             for p in uv {
@@ -318,164 +352,46 @@ impl Chart {
             }
         }
         self.uv = best.1;
-        let (lo, size) = boxed(&self.uv);
+        let (lo, _) = boxed(&self.uv);
         for p in &mut self.uv {
             *p = [p[0] - lo[0], p[1] - lo[1]];
         }
-        size
+    }
+
+    /// Width and height of a settled chart.
+    pub(crate) fn size(&self) -> [f64; 2] {
+        [0, 1].map(|d| self.uv.iter().map(|p| p[d]).fold(0.0, f64::max))
     }
 }
 
-/// Cells along a side of the packing bitmap; charts stay one cell apart.
-const CELLS: usize = 256;
-
-/// The cells a chart touches at some scale, grown by one cell.
-fn footprint(chart: &Chart, scale: f64) -> Vec<Vec<bool>> {
-    let top = |d: usize| chart.uv.iter().map(|p| p[d]).fold(0.0, f64::max);
-    let (w, h) = ((top(0) * scale) as usize + 3, (top(1) * scale) as usize + 3);
-    let mut mask = vec![vec![false; w]; h];
-    for c in &chart.corners {
-        // A quad is sampled densely enough to hit every cell it covers.
-        let p: Vec<[f64; 2]> = c.iter().map(|&v| chart.uv[v].map(|x| x * scale)).collect();
-        let n = 2
-            + (0..4)
-                .map(|k| {
-                    let (a, b) = (p[k], p[(k + 1) % 4]);
-                    (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
-                })
-                .fold(0.0, f64::max) as usize
-                * 2;
-        for j in 0..=n {
-            for i in 0..=n {
-                let (s, t) = (i as f64 / n as f64, j as f64 / n as f64);
-                let at = |d: usize| {
-                    (p[0][d] * (1.0 - s) + p[1][d] * s) * (1.0 - t)
-                        + (p[3][d] * (1.0 - s) + p[2][d] * s) * t
-                };
-                let (x, y) = (at(0) as usize + 1, at(1) as usize + 1);
-                for row in mask
-                    .iter_mut()
-                    .take((y + 2).min(h))
-                    .skip(y.saturating_sub(1))
-                {
-                    for cell in row
-                        .iter_mut()
-                        .take((x + 2).min(w))
-                        .skip(x.saturating_sub(1))
-                    {
-                        *cell = true;
-                    }
-                }
-            }
-        }
-    }
-    mask
-}
-
-/// A row of the bitmap, one bit per cell.
-type Row = [u64; CELLS / 64];
-
-/// `row` moved up by `x` cells.
-fn shifted(row: &Row, x: usize) -> Row {
-    let (words, bits) = (x / 64, x % 64);
-    std::array::from_fn(|k| {
-        let word = |k: Option<usize>| k.map_or(0, |k| row[k]);
-        let high = word(k.checked_sub(words)) << bits;
-        let low = word(k.checked_sub(words + 1));
-        high | if bits > 0 { low >> (64 - bits) } else { 0 }
-    })
-}
-
-/// Places of all charts (in cells, and whether turned by 90 degrees) or `None` when they do not fit.
-fn place(charts: &[Chart], order: &[usize], scale: f64) -> Option<Vec<([usize; 2], bool)>> {
-    let mut taken = vec![[0_u64; CELLS / 64]; CELLS];
-    let mut places = vec![([0, 0], false); charts.len()];
-    for &i in order {
-        let straight = footprint(&charts[i], scale);
-        let turned: Vec<Vec<bool>> = (0..straight[0].len())
-            .rev()
-            .map(|x| straight.iter().map(|row| row[x]).collect())
-            .collect();
-        // Lowest upper edge, then leftmost, of both orientations.
-        let mut best: Option<(usize, usize, usize, bool, Vec<Row>)> = None;
-        for (mask, turn) in [(straight, false), (turned, true)] {
-            let (w, h) = (mask[0].len(), mask.len());
-            if w > CELLS || h > CELLS {
-                continue;
-            }
-            let rows: Vec<Row> = mask
-                .iter()
-                .map(|row| {
-                    std::array::from_fn(|k| {
-                        (0..64)
-                            .filter(|b| row.get(k * 64 + b).copied().unwrap_or(false))
-                            .fold(0, |word, b| word | 1 << b)
-                    })
-                })
-                .collect();
-            let free = |x: usize, y: usize| {
-                rows.iter()
-                    .zip(&taken[y..])
-                    .all(|(row, taken)| shifted(row, x).iter().zip(taken).all(|(a, b)| a & b == 0))
-            };
-            let found = (0..=CELLS - h)
-                .take_while(|y| best.as_ref().is_none_or(|b| y + h < b.0))
-                .find_map(|y| (0..=CELLS - w).find(|&x| free(x, y)).map(|x| (x, y)));
-            if let Some((x, y)) = found {
-                best = Some((y + h, x, y, turn, rows));
-            }
-        }
-        let (_, x, y, turn, rows) = best?;
-        places[i] = ([x, y], turn);
-        for (row, taken) in rows.iter().zip(&mut taken[y..]) {
-            for (a, b) in shifted(row, x).iter().zip(taken.iter_mut()) {
-                *b |= a;
-            }
-        }
-    }
-    Some(places)
-}
-
-/// Unwraps the mesh: fills its texture coordinates and returns the charts before packing, for measuring.
+/// Unwraps the mesh: fills its texture coordinates.
 ///
 /// `at` are the vertices on the smooth surface; `density` is the relative size of a chart by label.
-pub(crate) fn unwrap(m: &mut Mesh, at: &[V3], density: impl Fn(u32) -> f64) -> Vec<Chart> {
+pub(crate) fn unwrap(m: &mut Mesh, at: &[V3], density: impl Fn(u32) -> f64) {
     let mut charts = cut(m);
-    let mut packed = Vec::new();
     for chart in &mut charts {
         chart.tutte(at);
         chart.relax(at, 120);
-        let mut sized = chart.clone();
+        chart.unfold(at);
         let d = density(m.labels[chart.faces[0]]);
-        for p in &mut sized.uv {
+        for p in &mut chart.uv {
             *p = p.map(|x| x * d);
         }
-        let size = sized.settle();
-        packed.push((size[0] * size[1], sized));
+        chart.settle();
     }
-    let mut order: Vec<usize> = (0..packed.len()).collect();
-    order.sort_by(|&a, &b| packed[b].0.total_cmp(&packed[a].0));
-    let sized: Vec<Chart> = packed.into_iter().map(|(_, c)| c).collect();
-    let total: f64 = sized
-        .iter()
-        .flat_map(|c| c.corners.iter().map(|q| area(q.iter().map(|&v| c.uv[v]))))
-        .sum();
-    // The largest scale that fits, from one that would fill the whole square.
-    let mut scale = 0.95 * CELLS as f64 / total.sqrt();
-    let places = loop {
-        scale *= 0.985;
-        if let Some(p) = place(&sized, &order, scale) {
-            break p;
-        }
-    };
+    let (places, scale) = layout(&charts);
     m.uvs.clear();
     m.face_uvs = vec![Vec::new(); m.faces.len()];
-    for (chart, &([x, y], turn)) in sized.iter().zip(&places) {
+    for (chart, &([x, y], turn)) in charts.iter().zip(&places) {
         let first = m.uvs.len();
-        let width = footprint(chart, scale)[0].len() as f64;
+        let mask = footprint(chart, scale);
         for p in &chart.uv {
-            let (a, b) = (p[0] * scale + 1.0, p[1] * scale + 1.0);
-            let q = if turn { [b, width - a] } else { [a, b] };
+            let mut q = p.map(|c| c * scale + 1.0);
+            let mut size = [mask[0].len() as f64, mask.len() as f64];
+            for _ in 0..turn {
+                q = [q[1], size[0] - q[0]];
+                size.reverse();
+            }
             m.uvs.push([
                 (q[0] + x as f64) / CELLS as f64,
                 (q[1] + y as f64) / CELLS as f64,
@@ -485,7 +401,6 @@ pub(crate) fn unwrap(m: &mut Mesh, at: &[V3], density: impl Fn(u32) -> f64) -> V
             m.face_uvs[f] = c.iter().map(|&v| first + v).collect();
         }
     }
-    charts
 }
 
 /// Signed area of a polygon.
