@@ -40,9 +40,11 @@ impl Counts {
     }
 }
 
-/// Why a statement cannot be read, and where.
+/// Why a statement cannot be read, and where. Boxed, so that what can fail returns in registers.
+pub(super) type Fault = Box<FaultAt>;
+
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(super) struct FaultAt {
     /// Offset in the file.
     pub(super) at: usize,
     pub(super) kind: ReadErrorKind,
@@ -424,7 +426,7 @@ impl<'a> Parser<'a> {
             let (mut uv, mut normal) = (NONE, NONE);
             if self.cur.peek() == b'/' {
                 self.cur.at += 1;
-                if !matches!(self.cur.peek(), b'/') && !self.cur.at_separator() {
+                if self.cur.peek() != b'/' && !self.cur.at_separator() {
                     uv = self.index("texture coordinate", self.before.uvs, self.total.uvs)?;
                 }
                 if self.cur.peek() == b'/' {
@@ -555,29 +557,29 @@ impl<'a> Parser<'a> {
 
     #[cold]
     pub(super) fn fault(&self, at: usize, what: String) -> Fault {
-        Fault {
+        Box::new(FaultAt {
             at: self.base + at,
             kind: ReadErrorKind::Data,
             what,
-        }
+        })
     }
 
     #[cold]
     pub(super) fn memory(&self) -> Fault {
-        Fault {
+        Box::new(FaultAt {
             at: self.base + self.cur.at,
             kind: ReadErrorKind::Limit,
             what: "not enough memory".into(),
-        }
+        })
     }
 
     #[cold]
     fn too_large(&self) -> Fault {
-        Fault {
+        Box::new(FaultAt {
             at: self.base + self.cur.at,
             kind: ReadErrorKind::Limit,
             what: "more corners than 32-bit indices can name".into(),
-        }
+        })
     }
 }
 
