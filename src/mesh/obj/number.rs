@@ -53,7 +53,12 @@ fn digits(s: &[u8], mut at: usize, value: &mut u64) -> usize {
             return at;
         }
     }
-    // The last bytes of the piece.
+    few_digits(s, at, value)
+}
+
+/// As [`digits`], one at a time: for what is short most often, and for the last bytes of a piece.
+#[inline(always)]
+fn few_digits(s: &[u8], mut at: usize, value: &mut u64) -> usize {
     while let Some(d) = s.get(at).map(|b| b.wrapping_sub(b'0')).filter(|&d| d <= 9) {
         *value = value.wrapping_mul(10).wrapping_add(u64::from(d));
         at += 1;
@@ -68,7 +73,7 @@ pub(super) fn float(s: &[u8], start: usize) -> Option<(f64, usize)> {
     let negative = byte(start) == b'-';
     let first = start + usize::from(negative || byte(start) == b'+');
     let mut mantissa = 0_u64;
-    let mut at = digits(s, first, &mut mantissa);
+    let mut at = few_digits(s, first, &mut mantissa);
     let mut count = at - first;
     let mut exponent = 0_i32;
     if byte(at) == b'.' {

@@ -349,7 +349,7 @@ impl<'a> Parser<'a> {
         if n == 2 || n > 4 {
             self.extra_numbers("v");
         }
-        if n < 3 {
+        if n != 3 && n != 4 {
             return Ok(());
         }
         let written = [extra[0], extra[1], extra[2]];
