@@ -240,13 +240,12 @@ pub(super) fn names(s: &[u8], at: usize) -> Cow<'_, [u8]> {
 /// Range of a line of names without outer blanks and without a comment: a `#` at its start, or one alone between blanks.
 fn without_comment(line: &[u8]) -> (usize, usize) {
     let blank = |i: usize| line.get(i).is_none_or(u8::is_ascii_whitespace);
-    let mut end = line.len();
-    for i in 0..line.len() {
-        if line[i] == b'#' && (i == 0 || blank(i - 1)) && (i == 0 || blank(i + 1)) {
-            end = i;
-            break;
-        }
-    }
+    let comment = |(i, &b): (usize, &u8)| b == b'#' && (i == 0 || blank(i - 1) && blank(i + 1));
+    let end = line
+        .iter()
+        .enumerate()
+        .position(comment)
+        .unwrap_or(line.len());
     let kept = &line[..end];
     let start = kept
         .iter()
