@@ -1,4 +1,5 @@
 //! Several pictures at once from a pool of one's own: `cargo run --example caller_pool`.
+#![allow(clippy::print_stdout)]
 
 use earmark::load::{LoadOptions, Loader};
 use earmark::{Camera, Renderer};

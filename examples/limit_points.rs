@@ -1,4 +1,5 @@
 //! Limit points and unit normals of a cube: `cargo run --example limit_points`.
+#![allow(clippy::print_stdout)]
 
 use earmark::{Cage, Surface};
 

@@ -1,9 +1,5 @@
 //! Coverage: every sample inside a sheet exactly once, and fronts equal backs over closed surfaces. The harness is shown to bite by
 //! breaking the tie rule and by moving one copy of a shared point by 1/256 pixel.
-#![expect(
-    clippy::print_stdout,
-    reason = "tests say how many samples they checked"
-)]
 
 #[path = "support/sheets.rs"]
 mod sheets;

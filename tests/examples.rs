@@ -1,11 +1,10 @@
 //! Every example runs.
 
-use std::path::PathBuf;
 use std::process::Command;
 
 /// `cargo test` builds the examples beside the test programs.
 fn example(name: &str) -> Command {
-    let mut folder = PathBuf::from(std::env::current_exe().unwrap());
+    let mut folder = std::env::current_exe().unwrap();
     folder.pop();
     folder.pop();
     let path = folder

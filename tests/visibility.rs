@@ -1,9 +1,5 @@
 //! Visibility keys: the same bits from every path, vector level and tile; clipped scenes equal those split beforehand; depths do not
 //! swap; and samples lead back to where they are on the surface.
-#![expect(
-    clippy::print_stdout,
-    reason = "tests say how many samples they checked"
-)]
 
 #[path = "support/sheets.rs"]
 mod sheets;

@@ -52,7 +52,7 @@ pub fn views(scene: &Scene, renderer: &Renderer, count: u32, seed: u64) -> Vec<V
 
 pub fn renderer(side: u32, level: u32) -> Renderer {
     let mut r = Renderer::new(side, side);
-    r.size.samples = if level % 2 == 0 { 1 } else { 4 };
+    r.size.samples = if level.is_multiple_of(2) { 1 } else { 4 };
     r.refinement = Refinement::Uniform(level);
     r
 }
