@@ -160,7 +160,7 @@ fn texture_coordinates() {
                 if shape.corner_uvs.is_empty() {
                     continue;
                 }
-                let got = corner_set(&refined(&shape, &case, n));
+                let got = corner_set(&refined(&shape, &case, n), false);
                 let wanted: Vec<[f64; 5]> = (want.corners.iter().zip(&want.corner_uvs))
                     .map(|(&v, &u)| {
                         let (p, uv) = (want.points[v as usize], want.uvs[u as usize]);
@@ -275,5 +275,93 @@ fn odd_shapes_stay_finite() {
             }
         }
         tally.finish();
+    });
+}
+
+/// All combinations of options against the reference program itself, which `EARMARK_OSDREF` names.
+#[test]
+fn option_combinations() {
+    let Some(program) = std::env::var_os("EARMARK_OSDREF") else {
+        println!("skipped: EARMARK_OSDREF is not set");
+        return;
+    };
+    with_shared(|shared| {
+        let mut points = Tally::new("options: control points");
+        let mut uvs = Tally::new("options: texture coordinates");
+        let out = std::env::temp_dir().join(format!("earmark-options-{}.obj", std::process::id()));
+        let mut turn = 0;
+        for case in plain(shared) {
+            let shape = shape(shared, &case);
+            if shape.points.len() > 110 || shape.corner_uvs.is_empty() {
+                continue;
+            }
+            for fvar in [
+                "none",
+                "corners-only",
+                "corners-plus1",
+                "corners-plus2",
+                "boundaries",
+                "all",
+            ] {
+                // The other options take turns, so that every pair occurs.
+                turn += 1;
+                let mut case = case.clone();
+                case.fvar = support::fvar_rule(fvar);
+                let boundary = ["none", "edge-only", "edge-and-corner"][turn % 3];
+                case.boundary = support::boundary(boundary);
+                let creases = ["uniform", "chaikin"][turn / 3 % 2];
+                case.options.creases = support::crease_method(creases);
+                let triangles = ["catmark", "smooth"][turn / 6 % 2];
+                case.options.triangles = support::triangle_rule(triangles);
+                let what = format!("{} {fvar} {boundary} {creases} {triangles}", case.name);
+                let status = std::process::Command::new(&program)
+                    .arg(shared.join(format!("opensubdiv/shapes/{}.obj", case.name)))
+                    .args([
+                        "-scheme",
+                        &case.scheme,
+                        "-fvar",
+                        fvar,
+                        "-boundary",
+                        boundary,
+                    ])
+                    .args([
+                        "-creases",
+                        creases,
+                        "-triangles",
+                        triangles,
+                        "-level",
+                        "2",
+                        "-digits",
+                        "12",
+                    ])
+                    .args(["-keepholes", "-o"])
+                    .arg(&out)
+                    .stdout(std::process::Stdio::null())
+                    .status()
+                    .unwrap();
+                assert!(status.success(), "{what}: the reference program failed");
+                let want = Shape::read(&read(&out));
+                let level = refined(&shape, &case, 2);
+                let size = extent(&shape.points).max(1.0);
+                let error = set_distance(&level.points, &want.points, 1e-2 * size) / size;
+                points.note(&what, error, POINT_TOLERANCE);
+                let got = corner_set(&level, true);
+                let wanted: Vec<[f64; 5]> = (want.corners.iter().zip(&want.corner_uvs))
+                    .map(|(&v, &u)| {
+                        let (p, uv) = (want.points[v as usize], want.uvs[u as usize]);
+                        [p[0], p[1], p[2], uv[0], uv[1]]
+                    })
+                    .collect();
+                assert_eq!(got.len(), wanted.len(), "{what}");
+                uvs.note(
+                    &what,
+                    set_distance(&got, &wanted, 1e-2 * size) / size,
+                    POINT_TOLERANCE,
+                );
+            }
+        }
+        let _ = std::fs::remove_file(&out);
+        points.finish();
+        uvs.finish();
     });
 }

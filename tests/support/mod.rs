@@ -177,34 +177,46 @@ pub fn cases(shared: &Path) -> Vec<Case> {
             Case {
                 name: w[0].into(),
                 scheme: w[1].into(),
-                boundary: match w[2] {
-                    "none" => Boundary::None,
-                    "edge-only" => Boundary::EdgeOnly,
-                    "edge-and-corner" => Boundary::EdgeAndCorner,
-                    other => panic!("boundary {other}"),
-                },
+                boundary: boundary(w[2]),
                 fvar: fvar_rule(w[4]),
                 options: Options {
                     scheme: match w[1] {
                         "bilinear" => Scheme::Bilinear,
                         _ => Scheme::CatmullClark,
                     },
-                    creases: match w[3] {
-                        "uniform" => CreaseMethod::Uniform,
-                        "chaikin" => CreaseMethod::Chaikin,
-                        other => panic!("creases {other}"),
-                    },
-                    triangles: match w[5] {
-                        "catmark" => TriangleRule::Catmark,
-                        "smooth" => TriangleRule::Smooth,
-                        other => panic!("triangles {other}"),
-                    },
+                    creases: crease_method(w[3]),
+                    triangles: triangle_rule(w[5]),
                 },
                 kind: w[6].into(),
                 levels: w[7].split(',').filter_map(|l| l.parse().ok()).collect(),
             }
         })
         .collect()
+}
+
+pub fn boundary(name: &str) -> Boundary {
+    match name {
+        "none" => Boundary::None,
+        "edge-only" => Boundary::EdgeOnly,
+        "edge-and-corner" => Boundary::EdgeAndCorner,
+        other => panic!("boundary {other}"),
+    }
+}
+
+pub fn crease_method(name: &str) -> CreaseMethod {
+    match name {
+        "uniform" => CreaseMethod::Uniform,
+        "chaikin" => CreaseMethod::Chaikin,
+        other => panic!("creases {other}"),
+    }
+}
+
+pub fn triangle_rule(name: &str) -> TriangleRule {
+    match name {
+        "catmark" => TriangleRule::Catmark,
+        "smooth" => TriangleRule::Smooth,
+        other => panic!("triangles {other}"),
+    }
 }
 
 pub fn fvar_rule(name: &str) -> FaceVaryingRule {
@@ -310,12 +322,12 @@ pub fn set_distance<const N: usize>(a: &[[f64; N]], b: &[[f64; N]], radius: f64)
     one(a, &sb).max(one(b, &sa))
 }
 
-/// (x, y, z, u, v) of every corner of the faces that are no holes.
-pub fn corner_set(level: &Level<f64>) -> Vec<[f64; 5]> {
+/// (x, y, z, u, v) of every corner, with or without those of hole faces.
+pub fn corner_set(level: &Level<f64>, holes: bool) -> Vec<[f64; 5]> {
     let t = &level.topology;
     let uvs = level.uvs.as_ref().unwrap();
     (0..t.half_count() as u32)
-        .filter(|&h| !t.is_hole(t.face_of(h)))
+        .filter(|&h| holes || !t.is_hole(t.face_of(h)))
         .map(|h| {
             let p = level.points[t.vertex(h) as usize];
             let uv = uvs.values[uvs.corners[h as usize] as usize];
