@@ -319,7 +319,8 @@ pub fn counts(topology: &Topology, levels: u32) -> Counts {
         edges: topology.edge_count() as u128,
         corners: topology.half_count() as u128,
     };
-    for _ in 0..levels {
+    // 4^64 is beyond 128 bits already.
+    for _ in 0..levels.min(64) {
         c = Counts {
             vertices: c.vertices.saturating_add(c.faces).saturating_add(c.edges),
             faces: c.corners,

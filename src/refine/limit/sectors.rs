@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 const TABLE: usize = dart::MAX_VALENCE as usize + 1;
 /// Steps after which the ring of a dart of high valence is taken as smooth.
-const DART_STEPS: usize = 24;
+const DART_STEPS: usize = 64;
 /// Two tangents count as parallel when the sine of their angle is below this.
 const PARALLEL: f64 = 1e-7;
 
