@@ -66,7 +66,7 @@ fn steps(c: &mut Criterion) {
         ("four steps, semi-sharp", 16, 4, true),
     ] {
         let base = box_mesh(n, creases);
-        let quads = 6 * u64::from(n * n) << (2 * levels);
+        let quads = (6 * u64::from(n * n)) << (2 * levels);
         group.throughput(Throughput::Elements(quads));
         group.bench_function(name, |b| {
             b.iter_batched(

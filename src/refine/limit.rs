@@ -127,7 +127,7 @@ fn vertex_limit<T: Real>(
         for (faces, normal) in ring.normals(tables, step.is_linear()) {
             sectors += 1;
             let of_face = |i: usize| Ring::of_fan(t, fan).nth(i);
-            corners.extend(faces.filter_map(|i| of_face(i)).map(|h| (h, normal)));
+            corners.extend(faces.filter_map(of_face).map(|h| (h, normal)));
         }
     }
     let normal = corners.first().map_or([0.0, 0.0, 1.0], |c| c.1);

@@ -1,8 +1,14 @@
 //! Helpers shared by the tests: a naive OBJ reader and point-set comparison. Not the reader of the crate, on purpose.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
+mod cages;
+mod points;
+
+pub use cages::*;
+pub use points::*;
+
 use earmark::mesh::{Corner, Crease};
-use earmark::refine::{Level, Options};
+use earmark::refine::{Level, Options, Timings, refine};
 use earmark::scheme::{Boundary, CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
 use earmark::topology::{ConnectOptions, NONE, Topology, connect};
 use std::path::{Path, PathBuf};
@@ -247,81 +253,6 @@ pub fn base_level(shape: &Shape, case: &Case) -> Level<f64> {
     }
 }
 
-/// Length of the diagonal of the bounding box.
-pub fn extent(points: &[[f64; 3]]) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..3 {
-        let lo = points.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min);
-        let hi = points
-            .iter()
-            .map(|p| p[k])
-            .fold(f64::NEG_INFINITY, f64::max);
-        sum += (hi - lo).powi(2);
-    }
-    sum.sqrt()
-}
-
-pub fn distance<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    (0..N).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Points sorted for nearest-neighbour search within a small radius.
-pub struct PointSet<'a, const N: usize> {
-    points: &'a [[f64; N]],
-    order: Vec<usize>,
-    axis: usize,
-}
-
-impl<'a, const N: usize> PointSet<'a, N> {
-    pub fn new(points: &'a [[f64; N]]) -> Self {
-        let spread = |k: usize| {
-            let mut c: Vec<i64> = points.iter().map(|p| (p[k] * 1e6) as i64).collect();
-            c.sort_unstable();
-            c.dedup();
-            c.len()
-        };
-        let axis = (0..N).max_by_key(|&k| spread(k)).unwrap();
-        let mut order: Vec<usize> = (0..points.len()).collect();
-        order.sort_by(|&a, &b| points[a][axis].total_cmp(&points[b][axis]));
-        Self {
-            points,
-            order,
-            axis,
-        }
-    }
-
-    /// All points within `radius` of `p`.
-    pub fn near(&self, p: &[f64; N], radius: f64) -> Vec<usize> {
-        let k = self.axis;
-        let start = self
-            .order
-            .partition_point(|&i| self.points[i][k] < p[k] - radius);
-        self.order[start..]
-            .iter()
-            .copied()
-            .take_while(|&i| self.points[i][k] <= p[k] + radius)
-            .filter(|&i| distance(&self.points[i], p) <= radius)
-            .collect()
-    }
-
-    /// Distance of `p` to the nearest point, infinite beyond `radius`.
-    pub fn nearest(&self, p: &[f64; N], radius: f64) -> f64 {
-        self.near(p, radius)
-            .into_iter()
-            .map(|i| distance(&self.points[i], p))
-            .fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// Largest distance of a point of one set to the other set, both ways; infinite beyond `radius`.
-pub fn set_distance<const N: usize>(a: &[[f64; N]], b: &[[f64; N]], radius: f64) -> f64 {
-    let (sa, sb) = (PointSet::new(a), PointSet::new(b));
-    let one = |p: &[[f64; N]], s: &PointSet<'_, N>| {
-        p.iter().map(|p| s.nearest(p, radius)).fold(0.0, f64::max)
-    };
-    one(a, &sb).max(one(b, &sa))
-}
-
 /// (x, y, z, u, v) of every corner, with or without those of hole faces.
 pub fn corner_set(level: &Level<f64>, holes: bool) -> Vec<[f64; 5]> {
     let t = &level.topology;
@@ -339,147 +270,31 @@ pub fn corner_set(level: &Level<f64>, holes: bool) -> Vec<[f64; 5]> {
 /// Index of no value.
 pub const NO_INDEX: u32 = NONE;
 
-/// Pseudo-random numbers from -0.5 to 0.5.
-pub struct Noise(pub u64);
+pub fn step(level: Level<f64>, levels: u32) -> Level<f64> {
+    refined(level, levels, &Options::default())
+}
 
-impl Noise {
-    pub fn number(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+pub fn refined(level: Level<f64>, levels: u32, options: &Options) -> Level<f64> {
+    refine(level, options, levels, None, &mut Timings::default()).unwrap()
+}
+
+#[track_caller]
+pub fn assert_close<const N: usize>(a: &[f64; N], b: &[f64; N], tolerance: f64) {
+    let d = distance(a, b);
+    assert!(d <= tolerance, "{a:?} and {b:?} are {d:.2e} apart");
+}
+
+#[track_caller]
+pub fn assert_all_close<const N: usize>(a: &[[f64; N]], b: &[[f64; N]], tolerance: f64) {
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert_close(a, b, tolerance);
     }
-    pub fn point(&mut self) -> [f64; 3] {
-        std::array::from_fn(|_| self.number())
-    }
 }
 
-/// Grid of `n` by `n` quads over [0, n]², height by `height`.
-pub fn grid(n: u32, height: impl Fn(f64, f64) -> f64) -> Shape {
-    let mut points = Vec::new();
-    for j in 0..=n {
-        for i in 0..=n {
-            let (u, v) = (f64::from(i), f64::from(j));
-            points.push([u, v, height(u, v)]);
-        }
-    }
-    let quads: Vec<[u32; 4]> = (0..n * n)
-        .map(|q| {
-            let a = q / n * (n + 1) + q % n;
-            [a, a + 1, a + n + 2, a + n + 1]
-        })
-        .collect();
-    let faces: Vec<&[u32]> = quads.iter().map(|q| q.as_slice()).collect();
-    Shape::new(&points, &faces)
-}
-
-/// Vertex 0 amid `n` quads with random heights: edge `i` ends in vertex 1 + 2i, face `i` has vertex 2 + 2i opposite.
-pub fn star(n: u32, seed: u64) -> Shape {
-    fan(n, true, seed)
-}
-
-/// As [`star`], but half a disc: vertex 0 on the boundary, `k` faces, `k + 1` edges.
-pub fn half_star(k: u32, seed: u64) -> Shape {
-    fan(k, false, seed)
-}
-
-fn fan(n: u32, closed: bool, seed: u64) -> Shape {
-    let mut noise = Noise(seed);
-    let turn = if closed {
-        std::f64::consts::TAU
-    } else {
-        std::f64::consts::PI
-    };
-    let mut points = vec![[0.0, 0.0, noise.number()]];
-    let edges = if closed { n } else { n + 1 };
-    for i in 0..edges + n {
-        let a = turn * f64::from(i) / f64::from(2 * n);
-        let r = if i % 2 == 0 { 1.0 } else { 1.4 };
-        let bump = noise.point().map(|c| 0.1 * c);
-        points.push([r * a.cos() + bump[0], r * a.sin() + bump[1], 5.0 * bump[2]]);
-    }
-    let quads: Vec<[u32; 4]> = (0..n)
-        .map(|i| [0, 1 + 2 * i, 2 + 2 * i, 1 + 2 * ((i + 1) % edges)])
-        .collect();
-    let faces: Vec<&[u32]> = quads.iter().map(|q| q.as_slice()).collect();
-    Shape::new(&points, &faces)
-}
-
-/// The cube of corners ±1.
-pub fn cube() -> Shape {
-    let points: Vec<[f64; 3]> = (0..8)
-        .map(|i| std::array::from_fn(|k| if i >> k & 1 == 1 { 1.0 } else { -1.0 }))
-        .collect();
-    Shape::new(
-        &points,
-        &[
-            &[0, 2, 3, 1],
-            &[4, 5, 7, 6],
-            &[0, 1, 5, 4],
-            &[2, 6, 7, 3],
-            &[0, 4, 6, 2],
-            &[1, 3, 7, 5],
-        ],
-    )
-}
-
-/// All edges of the cube.
-pub fn cube_edges() -> Vec<[u32; 2]> {
-    (0..8_u32)
-        .flat_map(|a| [1, 2, 4].map(|k| [a, a ^ k]))
-        .filter(|[a, b]| a < b)
-        .collect()
-}
-
-/// A closed mesh of triangles, quads and pentagons with noise, and creases of several kinds: a prism over a pentagon, one lid fanned.
-pub fn gem() -> Shape {
-    let mut noise = Noise(7);
-    let mut points = Vec::new();
-    for z in [-1.0, 1.0] {
-        for i in 0..5 {
-            let a = std::f64::consts::TAU * f64::from(i) / 5.0;
-            let b = noise.point().map(|c| 0.3 * c);
-            points.push([a.cos() + b[0], a.sin() + b[1], z + b[2]]);
-        }
-    }
-    points.push([0.1, -0.1, 1.8]);
-    let mut faces: Vec<Vec<u32>> = vec![vec![4, 3, 2, 1, 0]];
-    for i in 0..5 {
-        let j = (i + 1) % 5;
-        faces.push(vec![i, j, 5 + j, 5 + i]);
-        faces.push(vec![5 + i, 5 + j, 10]);
-    }
-    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
-    Shape::new(&points, &faces)
-        .crease(0, 1, 10.0)
-        .crease(1, 2, 10.0)
-        .crease(5, 6, 1.5)
-        .crease(6, 7, 0.6)
-        .crease(7, 8, 2.3)
-        .crease(8, 9, 10.0)
-        .corner(10, 1.4)
-}
-
-/// An open mesh of triangles, quads and a hexagon, with noise and creases up to the boundary.
-pub fn patch() -> Shape {
-    let mut noise = Noise(11);
-    let mut shape = grid(5, |_, _| 0.0);
-    for p in &mut shape.points {
-        let b = noise.point();
-        *p = [p[0] + 0.3 * b[0], p[1] + 0.3 * b[1], b[2]];
-    }
-    // Quads 6 and 7 become a hexagon, quad 12 two triangles.
-    let mut faces: Vec<Vec<u32>> = shape.corners.chunks(4).map(<[u32]>::to_vec).collect();
-    faces[6] = vec![7, 8, 9, 15, 14, 13];
-    faces[12] = vec![14, 15, 21];
-    faces[7] = vec![14, 21, 20];
-    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
-    Shape::new(&shape.points, &faces)
-        .crease(2, 8, 10.0)
-        .crease(21, 22, 10.0)
-        .crease(22, 23, 1.7)
-        .crease(28, 29, 0.8)
-        .crease(29, 30 - 7, 3.0)
-        .corner(20, 2.2)
+/// A shape of everything at once.
+pub fn all_shapes() -> Vec<Shape> {
+    let mut semi = gem();
+    semi.holes = vec![2];
+    vec![gem(), patch(), semi, star(7, 1), half_star(3, 2)]
 }
