@@ -23,7 +23,8 @@ use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
 use crate::texture::Texture;
 use rayon::prelude::*;
-use std::time::Instant;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 pub use scene::{Object, Scene};
 pub use source::Drawing;
@@ -251,6 +252,7 @@ impl Renderer {
         let image = self.tiles(&frame, &mut stats)?;
         if self.measure {
             stats.wall = [set_up - begin, binned - set_up, binned.elapsed()];
+            stats.times.put(Stage::Bin, binned - set_up);
         }
         Ok(Finished {
             image,
@@ -307,26 +309,32 @@ impl Renderer {
         item_count: u32,
         stats: &mut FrameStats,
     ) -> Result<Vec<Option<PixelBox>>, LimitError> {
-        let begin = Instant::now();
+        let times = AtomicU64::new(0);
         let mut boxes = vec![None; item_count as usize];
         const CHUNK: usize = 1024;
         boxes.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
             || (SourceScratch::default(), Vec::new()),
             |(scratch, hull), (k, chunk)| {
                 self.limits.check()?;
+                let clock = self.measure.then(Instant::now);
                 for (i, out) in chunk.iter_mut().enumerate() {
                     let item = (k * CHUNK + i) as u32;
                     let source = frame.source_of(item);
                     *out = tile::item_box(frame, source, item - source.first_item, scratch, hull);
                 }
+                if let Some(clock) = clock {
+                    times.fetch_add(clock.elapsed().as_nanos() as u64, Ordering::Relaxed);
+                }
                 Ok(())
             },
         )?;
-        let _ = (begin, stats);
+        let spent = Duration::from_nanos(times.into_inner());
+        stats.times.put(Stage::Setup, spent);
         Ok(boxes)
     }
 
     fn tiles(&self, frame: &Frame<'_>, stats: &mut FrameStats) -> Result<Image, LimitError> {
+        self.limits.progress.begin(frame.grid.len() as u64);
         let drawn: Vec<(Vec<u8>, u64, StageTimes)> = (0..frame.grid.len())
             .into_par_iter()
             .with_max_len(1)
@@ -337,6 +345,7 @@ impl Renderer {
                     scratch.times = StageTimes::measuring(self.measure);
                     let mut pixels = Vec::new();
                     let covered = tile::draw_tile(frame, tile, scratch, &mut pixels);
+                    self.limits.progress.step();
                     Ok((pixels, covered, scratch.times))
                 },
             )
