@@ -1,6 +1,47 @@
 //! earmark: subdivision surfaces without a GPU, from control cage to finished picture on CPU cores.
+//!
+//! Each quad of a control cage is refined on its own from its *ear stencil* (its one-ring): a block of at most 33×33 points of the
+//! exact Catmull-Clark limit surface is diced in cache, projected, rasterised into a tile's z-buffer, shaded, and forgotten. The
+//! refined mesh is never stored. Shared edges are evaluated by the edge's own rule, so both faces get the same bits; coverage is
+//! decided by integers, every sample exactly once; sums have a fixed order, so one input gives one picture, byte for byte, for any
+//! number of threads and any vector instructions.
+//!
+//! A picture in five lines:
+//!
+//! ```
+//! # let cage_bytes = b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+//! use earmark::{Cage, Camera, Renderer, Scene, Surface, mesh::obj, mesh::resolver::NoFiles};
+//!
+//! let cage = obj::read(cage_bytes, "sheet.obj", &mut NoFiles, &Default::default())?.cage;
+//! let scene = Scene::of(Surface::new(cage, &Default::default()));
+//! let frame = Renderer::new(64, 64).render(&scene, &Camera::default())?;
+//! let png = earmark::film::png::encode(&frame.image)?;
+//! # assert_eq!(frame.image.pixel(32, 32)[3], 255);
+//! # assert_eq!(&png[1..4], b"PNG");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Limit points with unit normals in four: see [`Surface`]. Files, materials and textures: [`load`]. The way through the code:
+//! [`architecture`].
+//!
+//! # Features
+//!
+//! | feature | brings | default |
+//! |---|---|---|
+//! | `cli` | the `earmark` program: argument parser and JSON | yes |
+//!
+//! A library user writes `default-features = false`.
+//!
+//! # Scope and current state
+//!
+//! * Catmull-Clark on polygon meshes of any valence and arity, with boundaries. Creases, corners and the other schemes are read by the
+//!   whole-mesh path ([`refine`]); pictures draw creased cages as smooth ones for now.
+//! * At an interior vertex of valence 2 the scheme has no limit normal in general; a defined fallback stands there, never NaN.
+//! * Surfaces are opaque: opacity cuts out at one half. One set of studio lights, no shadows.
+//! * Pictures are at most 16383 pixels wide and high.
 
 pub mod camera;
+pub mod compare;
 pub mod dice;
 pub mod files;
 pub mod film;
@@ -19,6 +60,9 @@ pub mod stream;
 pub mod surface;
 pub mod texture;
 pub mod topology;
+
+#[doc = include_str!("architecture.md")]
+pub mod architecture {}
 
 pub use camera::Camera;
 pub use frame::{Renderer, Scene};

@@ -150,11 +150,12 @@ impl Level {
     )]
     pub fn run<R>(self, f: impl FnOnce() -> R) -> R {
         match self.0 {
+            #[cfg(not(target_arch = "x86_64"))]
             Kind::Scalar => f(),
-            // SAFETY: a `Level` of this kind is only made by `available`, after asking the processor for these features.
+            // Every x86-64 has SSE2 and the plain code uses it: one code for both levels.
             #[cfg(target_arch = "x86_64")]
-            Kind::Sse2 => unsafe { sse2(f) },
-            // SAFETY: as above.
+            Kind::Scalar | Kind::Sse2 => f(),
+            // SAFETY: a `Level` of this kind is only made by `available`, after asking the processor for these features.
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2 => unsafe { avx2(f) },
             // SAFETY: as above.
@@ -165,12 +166,6 @@ impl Level {
             Kind::Neon => unsafe { neon(f) },
         }
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "sse2")]
-fn sse2<R>(f: impl FnOnce() -> R) -> R {
-    f()
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -3,10 +3,11 @@
 use crate::dice::face::{Channel, FacePatch};
 use crate::dice::fan_points::{FanPoints, TangentMasks};
 use crate::dice::presplit::presplit;
-use crate::dice::{MAX_LEVEL, Target};
+use crate::dice::{DiceFault, MAX_LEVEL, Target};
 use crate::mesh::{Cage, NONE};
 use crate::records::Grid3;
 use crate::scheme::{Boundary, FaceVaryingRule};
+use crate::simd::Level;
 use crate::topology::channel::connect_channel;
 use crate::topology::ears::Ears;
 use crate::topology::split::{Split, split};
@@ -253,8 +254,17 @@ impl Surface {
     /// When there is no such quad or `level` is above 10.
     #[must_use]
     pub fn dice(&self, q: u32, level: u32) -> DicedQuad {
+        self.dice_with(q, level, DiceFault::None)
+    }
+
+    /// [`Surface::dice`] with a rule broken, for tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn dice_with(&self, q: u32, level: u32, fault: DiceFault) -> DicedQuad {
         assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
         let mut patch = QuadPatch::default();
+        patch.points.fault = fault;
+        patch.set_simd(Level::detect());
         patch.prepare(self, q, level, None);
         let side = (1_usize << level) + 1;
         let mut out = DicedQuad {
@@ -337,6 +347,13 @@ pub(crate) struct QuadPatch {
 }
 
 impl QuadPatch {
+    /// Chooses the vector instructions; never changes a bit.
+    pub(crate) fn set_simd(&mut self, simd: Level) {
+        self.points.simd = simd;
+        self.uvs.simd = simd;
+        self.colors.simd = simd;
+    }
+
     /// Prepares quad `q`. `refined` holds the fans of [`Surface::refined_fans`] if control points are wanted.
     pub(crate) fn prepare(
         &mut self,

@@ -321,12 +321,8 @@ impl Texture {
     #[inline]
     fn fetch(&self, i: usize) -> [f32; 4] {
         match &self.texels {
-            Texels::Byte(t) => {
-                let [r, g, b, a] = t[i];
-                let value = |c: u8| self.values[usize::from(c)];
-                [value(r), value(g), value(b), f32::from(a) * (1.0 / 255.0)]
-            }
-            Texels::Word(t) => t[i].map(|c| f32::from(c) * (1.0 / 65_535.0)),
+            Texels::Byte(t) => byte_value(&self.values, t[i]),
+            Texels::Word(t) => word_value(t[i]),
         }
     }
 
@@ -338,29 +334,49 @@ impl Texture {
         let (y0, y1, ty) = neighbours(v, l.height);
         let row0 = l.start + y0 * l.width as usize;
         let row1 = l.start + y1 * l.width as usize;
-        mix(
-            mix(self.fetch(row0 + x0), self.fetch(row0 + x1), tx),
-            mix(self.fetch(row1 + x0), self.fetch(row1 + x1), tx),
-            ty,
-        )
+        let at = [row0 + x0, row0 + x1, row1 + x0, row1 + x1];
+        let [a, b, c, d] = match &self.texels {
+            Texels::Byte(t) => at.map(|i| byte_value(&self.values, t[i])),
+            Texels::Word(t) => at.map(|i| word_value(t[i])),
+        };
+        mix(mix(a, b, tx), mix(c, d, tx), ty)
     }
+}
+
+#[inline(always)]
+fn byte_value(values: &[f32; 256], [r, g, b, a]: [u8; 4]) -> [f32; 4] {
+    let value = |c: u8| values[usize::from(c)];
+    [value(r), value(g), value(b), f32::from(a) * (1.0 / 255.0)]
+}
+
+#[inline(always)]
+fn word_value([r, g, b, a]: [u16; 4]) -> [f32; 4] {
+    let value = |c: u16| f32::from(c) * (1.0 / 65_535.0);
+    [value(r), value(g), value(b), value(a)]
 }
 
 /// The fractional part, from 0 to below 1; 0 where there is none.
 #[inline]
 fn wrap(x: f32) -> f32 {
-    let f = x - x.floor();
-    // Just below 0 the difference rounds to 1; infinity and NaN give NaN.
-    if f < 1.0 { f } else { 0.0 }
+    // Not `floor`, which is a call where the processor's baseline lacks the instruction. Beyond 2^24 there is no fraction.
+    if x.abs() < 16_777_216.0 {
+        let f = x - (x as i32) as f32;
+        let f = if f < 0.0 { f + 1.0 } else { f };
+        // Just below 0 the sum rounds to 1.
+        if f < 1.0 { f } else { 0.0 }
+    } else {
+        0.0
+    }
 }
 
 /// The two texels around a coordinate from 0 to 1 along a side of `n` texels, and the share of the second.
 #[inline]
 fn neighbours(x: f32, n: u32) -> (usize, usize, f32) {
     let p = x * n as f32 - 0.5;
-    let floor = p.floor();
+    // `p` is at least -0.5.
+    let i = if p < 0.0 { -1 } else { p as i32 };
+    let floor = i as f32;
     let n = n as i32;
-    let i = floor as i32;
     let a = if i < 0 {
         i + n
     } else if i >= n {
@@ -374,7 +390,8 @@ fn neighbours(x: f32, n: u32) -> (usize, usize, f32) {
 
 #[inline]
 fn mix(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
-    [0, 1, 2, 3].map(|k| a[k] + (b[k] - a[k]) * t)
+    let at = |k: usize| a[k] + (b[k] - a[k]) * t;
+    [at(0), at(1), at(2), at(3)]
 }
 
 fn lod_bias(width: u32, height: u32) -> f32 {

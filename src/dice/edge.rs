@@ -10,6 +10,8 @@ use super::basis::{Basis, Target};
 use super::point::P4;
 use super::regular::unit_cross;
 use super::window::{Window, edge_point, face_point, vertex_point};
+use crate::dispatch;
+use crate::simd::Level;
 
 const LANES: usize = 16;
 
@@ -34,6 +36,16 @@ impl EdgeSamples {
     }
 }
 
+/// Which samples of a strip are wanted and where they go: at `0, 1/n, … 1` with `n = 2^level`, to places `at`, `at + step`, ….
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Samples {
+    pub(crate) target: Target,
+    pub(crate) level: u32,
+    pub(crate) at: i64,
+    pub(crate) step: i64,
+    pub(crate) simd: Level,
+}
+
 /// A strip of three by four control points along an edge; `l` lies to the left of the direction of travel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Strip {
@@ -53,16 +65,21 @@ impl Strip {
         }
     }
 
-    /// Writes the points at `0, 1/n, … 1` (`n = 2^level`) to places `at`, `at + step`, ….
+    /// Writes points and normals of the strip's middle line.
     #[inline(always)]
-    pub(crate) fn sample(
-        &self,
-        target: Target,
-        level: u32,
-        out: &mut EdgeSamples,
-        at: i64,
-        step: i64,
-    ) {
+    pub(crate) fn sample(&self, to: Samples, out: &mut EdgeSamples) {
+        dispatch!(to.simd, self.sample_kernel(to, out));
+    }
+
+    #[inline(always)]
+    fn sample_kernel(&self, to: Samples, out: &mut EdgeSamples) {
+        let Samples {
+            target,
+            level,
+            at,
+            step,
+            ..
+        } = to;
         let basis = Basis::get(target, level);
         let limit = Basis::get(Target::Limit, 0).across;
         let [side, centre] = basis.across;
@@ -195,22 +212,13 @@ fn far_row(a: &Window, s: i32, b: &Window, sb: i32) -> [P4; 3] {
     [far[2], far[1], far[0]]
 }
 
-/// Where the samples of one half of an edge go: place of its end vertex, step towards the middle, level of the whole edge.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Half {
-    pub(crate) target: Target,
-    pub(crate) level: u32,
-    pub(crate) at: i64,
-    pub(crate) step: i64,
-}
-
 /// Half at a regular end `a`, whose other end `b` is irregular; both windows at depth 1.
 pub(crate) fn regular_half(
     a: &Window,
     s: i32,
     b: &Window,
     sb: i32,
-    half: Half,
+    half: Samples,
     out: &mut EdgeSamples,
 ) {
     let rows = [
@@ -219,16 +227,23 @@ pub(crate) fn regular_half(
         row_ahead(a, s),
         far_row(a, s, b, sb),
     ];
-    strip(rows).sample(half.target, half.level - 1, out, half.at, half.step);
+    strip(rows).sample(
+        Samples {
+            level: half.level - 1,
+            ..half
+        },
+        out,
+    );
 }
 
 /// Half at an irregular end: `rings[d]` is its window at depth `d + 1`, `b` the other end's window at depth 1.
+/// Level and places in `half` are those of the whole edge and of its end at the vertex.
 pub(crate) fn irregular_half(
     rings: &[Window],
     s: i32,
     b: &Window,
     sb: i32,
-    half: Half,
+    half: Samples,
     out: &mut EdgeSamples,
 ) {
     let mut far = far_row(&rings[0], s, b, sb);
@@ -251,17 +266,25 @@ pub(crate) fn irregular_half(
         ];
         let start = half.at + half.step * (1_i64 << (half.level - depth - 1));
         strip([row_at(next, s), row_ahead(next, s), new_far, beyond]).sample(
-            half.target,
-            half.level - depth - 1,
+            Samples {
+                level: half.level - depth - 1,
+                at: start,
+                ..half
+            },
             out,
-            start,
-            half.step,
         );
         far = new_far;
     }
     if half.level == 1 {
         // The middle is all there is; it is regular, the start of a strip whose last row has no weight there.
         let (near, mid) = (row_at(&rings[0], s), row_ahead(&rings[0], s));
-        strip([near, mid, far, far]).sample(half.target, 0, out, half.at + half.step, half.step);
+        strip([near, mid, far, far]).sample(
+            Samples {
+                level: 0,
+                at: half.at + half.step,
+                ..half
+            },
+            out,
+        );
     }
 }

@@ -7,13 +7,15 @@
 
 use super::basis::Target;
 use super::edge::{
-    EdgeSamples, Half, Strip, irregular_half, regular_half, sample_boundary, whole_strip,
+    EdgeSamples, Samples, Strip, irregular_half, regular_half, sample_boundary, whole_strip,
 };
 use super::fan_points::FanPoints;
 use super::point::P4;
-use super::regular::{Piece, dice_piece};
+use super::regular::{Piece, dice_pieces};
 use super::window::{Window, edge_point, face_point, vertex_point};
+use crate::dispatch;
 use crate::records::{BLOCK_POINTS, BlockSize, Grid3};
+use crate::simd::Level;
 use crate::topology::{FanRule, NONE, Ring, Topology};
 
 /// Control data of one channel (positions, or texture coordinates as points) of a mesh.
@@ -22,6 +24,17 @@ pub(crate) struct Channel<'a> {
     pub(crate) topology: &'a Topology,
     pub(crate) points: &'a [[f32; 3]],
     pub(crate) fans: &'a FanPoints,
+}
+
+/// A rule broken on purpose, so that tests can show that they would notice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[doc(hidden)]
+pub enum DiceFault {
+    /// Nothing broken.
+    #[default]
+    None,
+    /// Every face walks its edges in its own direction.
+    OwnDirection,
 }
 
 /// A quad prepared for dicing at one level, with buffers that are used again for the next quad.
@@ -35,6 +48,9 @@ pub struct FacePatch {
     windows: [Window; 4],
     rings: Vec<Window>,
     with_sides: bool,
+    pub(crate) fault: DiceFault,
+    /// Vector instructions; never changes a bit.
+    pub(crate) simd: Level,
 }
 
 impl Default for FacePatch {
@@ -48,6 +64,8 @@ impl Default for FacePatch {
             windows: [const { Window::EMPTY }; 4],
             rings: Vec::new(),
             with_sides: false,
+            fault: DiceFault::None,
+            simd: Level::SCALAR,
         }
     }
 }
@@ -102,14 +120,35 @@ impl FacePatch {
         }
     }
 
+    /// Whether side `c` of quad `q` runs along its edge's canonical direction, from the lower to the higher vertex number.
+    fn runs_forward(&self, t: &Topology, q: u32, c: usize) -> bool {
+        let h = 4 * q + c as u32;
+        self.fault == DiceFault::OwnDirection || t.vertex(h) < t.vertex(t.next(h))
+    }
+
     /// Samples an edge with two regular ends, along its canonical direction.
     fn whole_side(&mut self, t: &Topology, points: &[[f32; 3]], q: u32, c: usize, strip: &Strip) {
         let n = 1_i64 << self.level;
+        let forward = self.runs_forward(t, q, c);
+        let to = Samples {
+            target: self.target,
+            level: self.level,
+            at: 0,
+            step: 1,
+            simd: self.simd,
+        };
         let out = &mut self.sides[c];
-        if runs_forward(t, q, c) {
-            strip.sample(self.target, self.level, out, 0, 1);
+        if forward {
+            strip.sample(to, out);
         } else {
-            strip.reversed().sample(self.target, self.level, out, n, -1);
+            strip.reversed().sample(
+                Samples {
+                    at: n,
+                    step: -1,
+                    ..to
+                },
+                out,
+            );
         }
         if t.twin(4 * q + c as u32) == NONE {
             self.boundary_side(t, points, q, c);
@@ -134,7 +173,7 @@ impl FacePatch {
             at(t.next(end.first))
         };
         let n = 1_i64 << self.level;
-        if runs_forward(t, q, c) {
+        if self.runs_forward(t, q, c) {
             sample_boundary(
                 [before, a, b, after],
                 self.target,
@@ -213,6 +252,30 @@ impl FacePatch {
                 level: level - 1,
             });
         }
+        if level == 1 {
+            // No piece reaches the middle of a side between two irregular corners: a point of its own, without orientation.
+            for c in 0..4 {
+                if !regular[c] && !regular[(c + 1) % 4] {
+                    let full = turn(&net, c);
+                    let at = std::array::from_fn(|r| {
+                        std::array::from_fn(|k| {
+                            if r < 3 && k < 3 {
+                                full[r][k + 1]
+                            } else {
+                                P4::ZERO
+                            }
+                        })
+                    });
+                    let origin = [[1, 0], [2, 1], [1, 2], [0, 1]][c];
+                    self.pieces.push(Piece {
+                        net: at,
+                        origin,
+                        size: 0,
+                        level: 0,
+                    });
+                }
+            }
+        }
         for c in 0..4 {
             if !regular[c] {
                 self.refine_corner(c, &net, series[c], level);
@@ -276,14 +339,16 @@ impl FacePatch {
             }
             let (s, so) = if outgoing { (0, 1) } else { (1, 0) };
             let (at, step) = if outgoing { (0, 1) } else { (n, -1) };
-            let half = Half {
+            let half = Samples {
                 target: self.target,
                 level: self.level,
                 at,
                 step,
+                simd: self.simd,
             };
             // The middle belongs to the half at the lower vertex.
             let middle = (n / 2) as usize;
+            let owner = self.runs_forward(t, q, side) == outgoing;
             let out = &mut self.sides[side];
             let kept: [f32; 6] = std::array::from_fn(|k| {
                 if k < 3 {
@@ -298,7 +363,6 @@ impl FacePatch {
                 irregular_half(&self.rings, s, &self.windows[other], so, half, out);
             }
             let other_done = other < c;
-            let owner = runs_forward(t, q, side) == outgoing;
             if other_done && !owner {
                 out.set(
                     middle,
@@ -332,16 +396,17 @@ impl FacePatch {
     ) {
         let segments = 1_u32 << self.level.min(5);
         let start = [bu * segments, bv * segments];
-        for piece in &self.pieces {
-            dice_piece(
-                piece,
+        dispatch!(
+            self.simd,
+            dice_pieces(
+                &self.pieces,
                 self.target,
                 start,
                 segments,
                 points,
-                normals.as_deref_mut(),
-            );
-        }
+                normals.as_deref_mut()
+            )
+        );
         let n = 1_u32 << self.level;
         if self.with_sides && self.level > 0 {
             self.dice_sides(start, segments, points, normals.as_deref_mut());
@@ -428,12 +493,6 @@ impl FacePatch {
             }
         }
     }
-}
-
-/// Whether side `c` of quad `q` runs along its edge's canonical direction, from the lower to the higher vertex number.
-fn runs_forward(t: &Topology, q: u32, c: usize) -> bool {
-    let h = 4 * q + c as u32;
-    t.vertex(h) < t.vertex(t.next(h))
 }
 
 /// The 16 control points of a regular quad; phantoms `2a − b` stand where a boundary leaves a row or column out.

@@ -13,4 +13,6 @@ mod tests;
 mod window;
 
 pub use basis::{MAX_LEVEL, Target};
+#[doc(hidden)]
+pub use face::DiceFault;
 pub use face::FacePatch;

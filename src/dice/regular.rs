@@ -65,9 +65,31 @@ fn overlap(origin: u32, size: u32, start: u32, segments: u32) -> Option<Overlap>
     })
 }
 
+/// Dices the parts of all pieces inside a block, in their order.
+#[inline(always)]
+pub(crate) fn dice_pieces(
+    pieces: &[Piece],
+    target: Target,
+    start: [u32; 2],
+    segments: u32,
+    points: &mut Grid3,
+    mut normals: Option<&mut Grid3>,
+) {
+    for piece in pieces {
+        dice_piece(
+            piece,
+            target,
+            start,
+            segments,
+            points,
+            normals.as_deref_mut(),
+        );
+    }
+}
+
 /// Dices the part of `piece` inside the block that starts at grid point `start` and has `segments` segments along each side.
 #[inline(always)]
-pub(crate) fn dice_piece(
+fn dice_piece(
     piece: &Piece,
     target: Target,
     start: [u32; 2],

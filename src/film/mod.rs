@@ -10,7 +10,12 @@ pub mod srgb;
 use crate::film::srgb::{Srgb, quantize};
 use crate::math::positive;
 
-/// Why a picture cannot be written or read.
+/// Why bytes are no PNG picture.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("not a readable PNG: {0}")]
+pub struct ReadError(pub String);
+
+/// Why a picture cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {

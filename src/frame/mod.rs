@@ -7,6 +7,8 @@
 //! Tiles are independent and each is drawn by one thread from its bin, whose items stand in ascending order. So the picture is the
 //! same for any number of threads. No thread waits for another but at the end of a stage.
 
+#[doc(hidden)]
+pub mod coverage;
 mod cutout;
 mod level;
 mod scene;
@@ -23,8 +25,7 @@ use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
 use crate::texture::Texture;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 pub use scene::{Object, Scene};
 pub use source::Drawing;
@@ -203,6 +204,25 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn render_view(&self, scene: &Scene, view: &View) -> Result<Finished, RenderError> {
+        self.with_frame(scene, view, |frame, mut stats| {
+            let begin = Instant::now();
+            let image = self.tiles(frame, &mut stats)?;
+            stats.wall[2] = begin.elapsed();
+            Ok(Finished {
+                image,
+                stats,
+                view: *view,
+            })
+        })
+    }
+
+    /// Sets a frame up, bins its items, and hands it to `draw`.
+    fn with_frame<T>(
+        &self,
+        scene: &Scene,
+        view: &View,
+        draw: impl FnOnce(&Frame<'_>, FrameStats) -> Result<T, LimitError>,
+    ) -> Result<T, RenderError> {
         self.check_size()?;
         let levels = self.levels(scene, view)?;
         let (sources, item_count) = Source::all(scene, self.drawing, &levels);
@@ -244,21 +264,13 @@ impl Renderer {
             ..FrameStats::default()
         };
         let begin = Instant::now();
-        let boxes = self.setup(&frame, item_count, &mut stats)?;
-        let set_up = Instant::now();
+        let boxes = self.setup(&frame, item_count)?;
+        stats.wall[0] = begin.elapsed();
+        let begin = Instant::now();
         frame.bins = Bins::new(&frame.grid, &boxes);
         drop(boxes);
-        let binned = Instant::now();
-        let image = self.tiles(&frame, &mut stats)?;
-        if self.measure {
-            stats.wall = [set_up - begin, binned - set_up, binned.elapsed()];
-            stats.times.put(Stage::Bin, binned - set_up);
-        }
-        Ok(Finished {
-            image,
-            stats,
-            view: *view,
-        })
+        stats.wall[1] = begin.elapsed();
+        Ok(draw(&frame, stats)?)
     }
 
     fn check_size(&self) -> Result<(), RenderError> {
@@ -307,29 +319,21 @@ impl Renderer {
         &self,
         frame: &Frame<'_>,
         item_count: u32,
-        stats: &mut FrameStats,
     ) -> Result<Vec<Option<PixelBox>>, LimitError> {
-        let times = AtomicU64::new(0);
         let mut boxes = vec![None; item_count as usize];
         const CHUNK: usize = 1024;
         boxes.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
-            || (SourceScratch::default(), Vec::new()),
+            || (SourceScratch::new(self.simd), Vec::new()),
             |(scratch, hull), (k, chunk)| {
                 self.limits.check()?;
-                let clock = self.measure.then(Instant::now);
                 for (i, out) in chunk.iter_mut().enumerate() {
                     let item = (k * CHUNK + i) as u32;
                     let source = frame.source_of(item);
                     *out = tile::item_box(frame, source, item - source.first_item, scratch, hull);
                 }
-                if let Some(clock) = clock {
-                    times.fetch_add(clock.elapsed().as_nanos() as u64, Ordering::Relaxed);
-                }
                 Ok(())
             },
         )?;
-        let spent = Duration::from_nanos(times.into_inner());
-        stats.times.put(Stage::Setup, spent);
         Ok(boxes)
     }
 
@@ -339,7 +343,7 @@ impl Renderer {
             .into_par_iter()
             .with_max_len(1)
             .map_init(
-                || Scratch::new(self.size.samples),
+                || Scratch::new(self.size.samples, self.simd),
                 |scratch, tile| {
                     self.limits.check()?;
                     scratch.times = StageTimes::measuring(self.measure);

@@ -8,6 +8,7 @@ use crate::dice::FacePatch;
 use crate::dice::fan_points::FanPoints;
 use crate::mesh::NONE;
 use crate::records::{BlockSize, Grid3};
+use crate::simd::Level;
 use crate::surface::QuadPatch;
 
 /// What is drawn of each surface.
@@ -38,6 +39,14 @@ pub(super) struct Source<'a> {
 pub(super) struct SourceScratch {
     patch: QuadPatch,
     prepared: Option<(u32, bool)>,
+}
+
+impl SourceScratch {
+    pub(super) fn new(simd: Level) -> Self {
+        let mut scratch = Self::default();
+        scratch.patch.set_simd(simd);
+        scratch
+    }
 }
 
 /// What shading needs of a block beside its points.

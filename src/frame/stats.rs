@@ -76,9 +76,6 @@ impl StageTimes {
         self.total[stage as usize] += now - begin;
         Some(now)
     }
-    pub(super) fn put(&mut self, stage: Stage, spent: Duration) {
-        self.total[stage as usize] += spent;
-    }
     pub(super) fn add(&mut self, other: &Self) {
         for (a, b) in self.total.iter_mut().zip(&other.total) {
             *a += *b;

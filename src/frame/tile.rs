@@ -11,6 +11,7 @@ use crate::raster::{
 };
 use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
 use crate::shade::SurfacePoint;
+use crate::simd::Level;
 
 /// A block that was drawn into the tile; its place in the list is its rank.
 #[derive(Clone, Copy)]
@@ -40,10 +41,10 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    pub(super) fn new(samples: u32) -> Self {
+    pub(super) fn new(samples: u32, simd: Level) -> Self {
         Self {
             tile: Tile::new(0, 0, 0, 0, samples),
-            source: SourceScratch::default(),
+            source: SourceScratch::new(simd),
             points: Grid3::boxed(),
             attributes: Attributes::default(),
             footprint: Vec::new(),

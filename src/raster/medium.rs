@@ -6,9 +6,9 @@ use super::samples::sample_positions;
 use super::tile::{Cell, Tile};
 use crate::simd::LANES;
 
-/// Largest extent, 1/256 pixel. Bound by time, not exactness (edge values stay below 2^29): beyond, computing only the covered
+/// Largest extent, 1/256 pixel. Bound by time, not exactness (edge values stay below 2^30): beyond, computing only the covered
 /// runs of a row pays for its divisions.
-pub(super) const MEDIUM_EXTENT: i32 = 24 * 256;
+pub(super) const MEDIUM_EXTENT: i32 = 48 * 256;
 
 /// Draws the quad with corners `a` (i, j), `b` (i+1, j), `c` (i+1, j+1), `d` (i, j+1), of extent up to [`MEDIUM_EXTENT`] and not
 /// folded along its diagonal. `id` is that of half 0.
@@ -27,6 +27,7 @@ pub(super) fn quad<C: Cell>(tile: &mut Tile<C>, corners: &[ScreenVertex; 4], id:
     let area0 = dx[0] * dy[4] - dy[0] * dx[4];
     let area1 = dx[4] * dy[3] - dy[4] * dx[3];
     let front = area0 < 0 || area1 < 0;
+    let (za, zb, zc, zd) = (a.depth, b.depth, c.depth, d.depth);
     let inverse0 = 1.0 / area0.unsigned_abs() as f32;
     let inverse1 = 1.0 / area1.unsigned_abs() as f32;
 
@@ -51,7 +52,9 @@ pub(super) fn quad<C: Cell>(tile: &mut Tile<C>, corners: &[ScreenVertex; 4], id:
             let live = px1 - px;
             let mut at = tile.plane(s) + (py0 - ty) as usize * tile.stride + (px - tx) as usize;
             for _ in py0..py1 {
-                let row = &mut tile.cells[at..at + LANES];
+                let mut depth = [0.0; LANES];
+                // 0 no hit, 1 half 0, 2 half 1.
+                let mut halves = [0_u32; LANES];
                 for l in 0..LANES {
                     let ab = e[0] + steps[0][l];
                     let bc = e[1] + steps[1][l];
@@ -64,13 +67,18 @@ pub(super) fn quad<C: Cell>(tile: &mut Tile<C>, corners: &[ScreenVertex; 4], id:
                     let half0 = (p_ab == (bc >= t_bc)) & (p_ab != p_ac);
                     let half1 = (p_dc == (ad >= t_ad)) & (p_dc != p_ac);
                     let hit = (half0 | half1) & ((l as i32) < live);
+                    halves[l] = if hit { 1 + u32::from(!half0) } else { 0 };
                     let w0 = (if half0 { bc } else { dc }).abs() as f32;
                     let w1 = ac.abs() as f32;
                     let w2 = (if half0 { ab } else { ad }).abs() as f32;
-                    let z1 = if half0 { b.depth } else { d.depth };
+                    let z1 = if half0 { zb } else { zd };
                     let inverse = if half0 { inverse0 } else { inverse1 };
-                    let depth = ((w0 * a.depth + w1 * z1) + w2 * c.depth) * inverse;
-                    row[l].put(hit, depth, if half0 { id } else { id | 1 }, front);
+                    depth[l] = ((w0 * za + w1 * z1) + w2 * zc) * inverse;
+                }
+                let row = &mut tile.cells[at..at + LANES];
+                for l in 0..LANES {
+                    let half = halves[l];
+                    row[l].put(half != 0, depth[l], id | (half >> 1), front);
                 }
                 for k in 0..5 {
                     e[k] += dx[k] * 256;

@@ -11,11 +11,12 @@ use super::samples::sample_positions;
 use super::tile::{Cell, Tile};
 use crate::records::BLOCK_STRIDE;
 use crate::simd::LANES;
+use std::hint::select_unpredictable;
 
-/// Largest extent, 1/256 pixel, of a micro-quad of this path; its window is then at most 5 by 5 samples. Larger makes vectors wait
+/// Largest extent, 1/256 pixel, of a micro-quad of this path; its window is then at most 6 by 6 samples. Larger makes vectors wait
 /// for their largest lane; smaller sends quads to a path that costs more each. Exactness ends at 7 pixels: an extent times an
 /// extent and the window's reach, twice, must stay below 2^24.
-pub(super) const MICRO_EXTENT: i32 = 5 * 256;
+pub(super) const MICRO_EXTENT: i32 = 6 * 256;
 
 /// Sixteen quads: the grid row `j`, columns from `i0`.
 #[derive(Clone, Copy)]
@@ -60,7 +61,7 @@ pub(super) fn chunk<C: Cell>(
     let mut x_high: Ints = [0; LANES];
     let mut y_low: Ints = [0; LANES];
     let mut y_high: Ints = [0; LANES];
-    let (mut touching, mut small) = (0_u32, 0_u32);
+    let mut masks = 0_u32;
     for l in 0..LANES {
         let x0 = ax[l].min(bx[l]).min(cx[l].min(dx[l]));
         let x1 = ax[l].max(bx[l]).max(cx[l].max(dx[l]));
@@ -69,11 +70,11 @@ pub(super) fn chunk<C: Cell>(
         (x_low[l], x_high[l], y_low[l], y_high[l]) = (x0, x1, y0, y1);
         let touches = (x1 > left) & (x0 < right) & (y1 > top) & (y0 < bottom);
         let fits = (x1 - x0 <= MICRO_EXTENT) & (y1 - y0 <= MICRO_EXTENT);
-        touching |= u32::from(touches) << l;
-        small |= u32::from(touches & fits) << l;
+        // Two masks in one word: a single reduction.
+        masks |= (u32::from(touches) | u32::from(touches & fits) << LANES) << l;
     }
-    touching &= chunk.live;
-    small &= chunk.live;
+    let touching = masks & chunk.live;
+    let mut small = (masks >> LANES) & chunk.live;
     if chunk.refuse || small == 0 {
         return touching;
     }
@@ -157,7 +158,7 @@ pub(super) fn chunk<C: Cell>(
             for slot_x in 0..most_across {
                 let step = (slot_x * 256) as f32;
                 let mut depth: Floats = [0.0; LANES];
-                let (mut hits, mut second) = (0_u32, 0_u32);
+                let mut masks = 0_u32;
                 for l in 0..LANES {
                     let ab = row[0][l] - ey[0][l] * step;
                     let bc = row[1][l] - ey[1][l] * step;
@@ -170,16 +171,18 @@ pub(super) fn chunk<C: Cell>(
                     let half0 = (p_ab == (bc >= et[1][l])) & (p_ab != p_ac);
                     let half1 = (p_dc == (ad >= et[3][l])) & (p_dc != p_ac);
                     let here = (slot_x < across[l]) & (slot_y < down[l]);
-                    hits |= u32::from((half0 | half1) & here) << l;
-                    second |= u32::from(!half0) << l;
-                    let w0 = (if half0 { bc } else { dc }).abs();
-                    let w2 = (if half0 { ab } else { ad }).abs();
-                    let z1 = if half0 { zb[l] } else { zd[l] };
-                    let inverse = if half0 { inverse0[l] } else { inverse1[l] };
+                    let hit = (half0 | half1) & here;
+                    masks |= (u32::from(hit) | u32::from(!half0) << LANES) << l;
+                    // An `if` here may become a choice of addresses, and a gather.
+                    let w0 = select_unpredictable(half0, bc, dc).abs();
+                    let w2 = select_unpredictable(half0, ab, ad).abs();
+                    let z1 = select_unpredictable(half0, zb[l], zd[l]);
+                    let inverse = select_unpredictable(half0, inverse0[l], inverse1[l]);
                     depth[l] = ((w0 * za[l] + ac.abs() * z1) + w2 * zc[l]) * inverse;
                 }
                 let slot = slot_y * stride + slot_x;
                 let plane = &mut tile.cells[plane_at..plane_end];
+                let (mut hits, second) = (masks & 0xffff, masks >> LANES);
                 while hits != 0 {
                     let l = (hits.trailing_zeros() as usize) & (LANES - 1);
                     hits &= hits - 1;
@@ -203,9 +206,9 @@ mod tests {
 
     #[test]
     fn floats_are_exact() {
-        // A lane's samples reach four pixels beyond the first of its own window.
+        // A lane's samples reach five pixels beyond the first of its own window.
         let extent = i64::from(MICRO_EXTENT);
-        let reach = extent + 4 * 256;
+        let reach = extent + 5 * 256;
         assert!(2 * extent * reach < 1 << 24);
     }
 }

@@ -179,39 +179,48 @@ pub(super) fn snap<const ORTHO: bool>(
 fn project_rows<const ORTHO: bool>(grid: &Grid3, p: &Projection, out: &mut ProjectedBlock) {
     let BlockSize { cols, rows } = out.size;
     // Whole vectors: the points beyond the last column are finite and only cost time, but they must not widen the box.
-    let padded = cols.next_multiple_of(LANES);
-    let mut low = [i32::MAX; 2];
-    let mut high = [i32::MIN; 2];
-    let mut outside = 0;
+    let mut low_x = [i32::MAX; LANES];
+    let mut low_y = [i32::MAX; LANES];
+    let mut high_x = [i32::MIN; LANES];
+    let mut high_y = [i32::MIN; LANES];
+    let mut outside = [0_u32; LANES];
     for j in 0..rows {
-        let range = j * BLOCK_STRIDE..j * BLOCK_STRIDE + padded;
-        let (gx, gy, gz) = (
-            &grid.x[range.clone()],
-            &grid.y[range.clone()],
-            &grid.z[range.clone()],
-        );
-        let ox = &mut out.x[range.clone()];
-        let oy = &mut out.y[range.clone()];
-        let od = &mut out.depth[range];
-        for l in 0..padded {
-            let (x, y, z) = (gx[l], gy[l], gz[l]);
-            let hw = if ORTHO { 1.0 } else { dot(&p.w, x, y, z) };
-            let hd = if ORTHO { dot(&p.d, x, y, z) } else { 0.0 };
-            let (sx, sy, depth, inside) =
-                snap::<ORTHO>(dot(&p.x, x, y, z), dot(&p.y, x, y, z), hw, hd, p.near);
-            ox[l] = sx;
-            oy[l] = sy;
-            od[l] = depth;
-            let real = (l as u32) < cols as u32;
-            outside |= u32::from(real & !inside);
-            low[0] = low[0].min(if real { sx } else { i32::MAX });
-            low[1] = low[1].min(if real { sy } else { i32::MAX });
-            high[0] = high[0].max(if real { sx } else { i32::MIN });
-            high[1] = high[1].max(if real { sy } else { i32::MIN });
+        for i0 in (0..cols).step_by(LANES) {
+            let range = j * BLOCK_STRIDE + i0..j * BLOCK_STRIDE + i0 + LANES;
+            let (gx, gy, gz) = (
+                &grid.x[range.clone()],
+                &grid.y[range.clone()],
+                &grid.z[range.clone()],
+            );
+            let real = (cols - i0) as i32;
+            // Results go through local arrays: the compiler cannot know that `out` and `grid` do not overlap.
+            let mut ox = [0; LANES];
+            let mut oy = [0; LANES];
+            let mut od = [0.0; LANES];
+            for l in 0..LANES {
+                let (x, y, z) = (gx[l], gy[l], gz[l]);
+                let hw = if ORTHO { 1.0 } else { dot(&p.w, x, y, z) };
+                let hd = if ORTHO { dot(&p.d, x, y, z) } else { 0.0 };
+                let (sx, sy, depth, inside) =
+                    snap::<ORTHO>(dot(&p.x, x, y, z), dot(&p.y, x, y, z), hw, hd, p.near);
+                (ox[l], oy[l], od[l]) = (sx, sy, depth);
+                let real = (l as i32) < real;
+                outside[l] |= u32::from(real & !inside);
+                low_x[l] = low_x[l].min(if real { sx } else { i32::MAX });
+                low_y[l] = low_y[l].min(if real { sy } else { i32::MAX });
+                high_x[l] = high_x[l].max(if real { sx } else { i32::MIN });
+                high_y[l] = high_y[l].max(if real { sy } else { i32::MIN });
+            }
+            out.x[range.clone()].copy_from_slice(&ox);
+            out.y[range.clone()].copy_from_slice(&oy);
+            out.depth[range].copy_from_slice(&od);
         }
     }
-    out.clip = outside != 0;
-    (out.low, out.high) = (low, high);
+    let least = |lanes: [i32; LANES]| lanes.into_iter().fold(i32::MAX, i32::min);
+    let most = |lanes: [i32; LANES]| lanes.into_iter().fold(i32::MIN, i32::max);
+    out.clip = outside.iter().any(|&o| o != 0);
+    out.low = [least(low_x), least(low_y)];
+    out.high = [most(high_x), most(high_y)];
 }
 
 /// Second pass over the few blocks that are clipped.

@@ -5,6 +5,7 @@
 use super::edge::{ScreenVertex, first_pixel, threshold};
 use super::samples::sample_positions;
 use super::tile::{Cell, Tile};
+use crate::simd::LANES;
 
 /// An edge with its sign turned so that the inside is where `e >= threshold`.
 #[derive(Clone, Copy)]
@@ -94,10 +95,12 @@ pub(super) fn triangle<C: Cell>(
                     to = to.min(missing / side.step_x + 1);
                 }
             }
-            if from < to {
-                let e = sides.map(|side| (side.e + from * side.step_x) as f64);
-                let run = &mut tile.cells[at + from as usize..at + to as usize];
-                fill(run, &e, &steps, &z, inverse, id, front);
+            let mut x = from;
+            while x < to {
+                let e = sides.map(|side| (side.e + x * side.step_x) as f64);
+                let run = &mut tile.cells[at + x as usize..at + x as usize + LANES];
+                fill(run, (to - x) as i32, &e, &steps, &z, inverse, id, front);
+                x += LANES as i64;
             }
             for side in &mut sides {
                 side.e += side.step_y;
@@ -107,10 +110,16 @@ pub(super) fn triangle<C: Cell>(
     }
 }
 
-/// Depths along a covered run.
+/// Depths along a covered run: its next 16 cells, of which `count` are covered. Conversions first and updates last, through local
+/// arrays, for each loop to have lanes of one width.
 #[inline(always)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "everything that is constant along the run"
+)]
 fn fill<C: Cell>(
     run: &mut [C],
+    count: i32,
     e: &[f64; 3],
     steps: &[f64; 3],
     z: &[f32; 3],
@@ -118,15 +127,16 @@ fn fill<C: Cell>(
     id: u32,
     front: bool,
 ) {
-    for (l, cell) in run.iter_mut().enumerate() {
-        let l = f64::from(l as u32 as i32);
-        let w = [
-            (e[0] + l * steps[0]) as f32,
-            (e[1] + l * steps[1]) as f32,
-            (e[2] + l * steps[2]) as f32,
-        ];
-        let depth = ((w[0] * z[0] + w[1] * z[1]) + w[2] * z[2]) * inverse;
-        cell.put(true, depth, id, front);
+    let mut depth = [0.0_f32; LANES];
+    for (l, depth) in depth.iter_mut().enumerate() {
+        let l = f64::from(l as i32);
+        let w0 = (e[0] + l * steps[0]) as f32;
+        let w1 = (e[1] + l * steps[1]) as f32;
+        let w2 = (e[2] + l * steps[2]) as f32;
+        *depth = ((w0 * z[0] + w1 * z[1]) + w2 * z[2]) * inverse;
+    }
+    for l in 0..LANES {
+        run[l].put((l as i32) < count, depth[l], id, front);
     }
 }
 

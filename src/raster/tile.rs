@@ -71,10 +71,9 @@ impl Cell for Key {
         } else {
             0
         };
-        // Both are below 2^63; signed order is the one that vectors of 64 bits have an instruction for.
-        if key as i64 > self.0 as i64 {
-            self.0 = key;
-        }
+        // Both are below 2^63; signed order is the one that vectors of 64 bits have an instruction for. Stored in any case, as
+        // conditional stores do not vectorise.
+        self.0 = (self.0 as i64).max(key as i64) as u64;
     }
 }
 

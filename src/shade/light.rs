@@ -21,15 +21,17 @@ struct Lamp {
 }
 
 /// Directions are in camera axes: right, up, towards the eye.
-const KEY: ([f64; 3], [f32; 3]) = ([-0.50, 0.62, 0.60], [0.98, 0.94, 0.88]);
-const FILL: ([f64; 3], [f32; 3]) = ([0.85, 0.05, 0.52], [0.13, 0.15, 0.18]);
-const RIM: ([f64; 3], [f32; 3]) = ([0.45, 0.60, -0.66], [0.42, 0.44, 0.47]);
-const SKY: [f32; 3] = [0.20, 0.21, 0.23];
-const GROUND: [f32; 3] = [0.085, 0.078, 0.070];
+const KEY: ([f64; 3], [f32; 3]) = ([-0.55, 0.66, 0.52], [1.16, 1.10, 1.01]);
+const FILL: ([f64; 3], [f32; 3]) = ([0.88, -0.05, 0.48], [0.085, 0.105, 0.135]);
+const RIM: ([f64; 3], [f32; 3]) = ([0.62, 0.42, -0.66], [1.30, 1.34, 1.40]);
+const SKY: [f32; 3] = [0.125, 0.135, 0.155];
+const GROUND: [f32; 3] = [0.052, 0.046, 0.040];
 /// How far light reaches around the terminator: 0 is Lambert's hard one, 1 leaves no dark side.
-const WRAP: f32 = 0.3;
-/// Reflectance at normal incidence and weight of the highlight; larger looks like plastic.
-const GLOSS: f32 = 0.05;
+const WRAP: f32 = 0.22;
+/// Strength of the highlight facing the eye; larger looks like plastic.
+const GLOSS: f32 = 0.18;
+/// What it gains towards the silhouette.
+const RISE: f32 = 0.9;
 /// Where the shoulder begins: below, light is shown as it is; above, it approaches 1 and never arrives.
 const KNEE: f32 = 0.62;
 
@@ -77,37 +79,35 @@ impl LightRig {
         let v = unit(to_eye);
         // The side seen is the geometry's matter: near the silhouette a limit normal may lean away from the eye.
         let side = if dot(geometric, v) < 0.0 { -1.0 } else { 1.0 };
-        let n = unit(normal).map(|c| c * side);
-        let facing = positive(dot(n, v));
+        let n = unit(normal);
+        let n = [n[0] * side, n[1] * side, n[2] * side];
 
         let key = wrapped(dot(n, self.key.toward));
         let fill = wrapped(dot(n, self.fill.toward));
-        let rim_cos = positive(dot(n, self.rim.toward));
         // The rim light shows where the surface turns away.
-        let edge = 1.0 - facing;
-        let rim = rim_cos * edge * edge;
+        let edge = 1.0 - positive(dot(n, v));
+        let edge2 = edge * edge;
+        let rim = positive(dot(n, self.rim.toward)) * edge2;
         let height = 0.5 + 0.5 * dot(n, self.up);
 
-        // Blinn's lobe with exponent 32, by squaring, and Schlick's rise towards grazing light.
-        let h = unit([0, 1, 2].map(|k| self.key.toward[k] + v[k]));
-        let s2 = positive(dot(n, h));
-        let s2 = s2 * s2;
+        // Blinn's lobe with exponent 32, from the square of its cosine, with Schlick's rise towards the silhouette.
+        let l = self.key.toward;
+        let h = [l[0] + v[0], l[1] + v[1], l[2] + v[2]];
+        let nh = positive(dot(n, h));
+        let s2 = nh * nh / (dot(h, h) + 1e-6);
         let s4 = s2 * s2;
         let s8 = s4 * s4;
         let s16 = s8 * s8;
-        let grazing = 1.0 - positive(dot(v, h));
-        let g2 = grazing * grazing;
-        let fresnel = GLOSS + (1.0 - GLOSS) * g2 * g2 * grazing;
-        let gloss = s16 * s16 * fresnel * 2.2 * key;
+        let fresnel = GLOSS + RISE * edge2 * edge2 * edge;
+        let gloss = s16 * s16 * fresnel * key;
 
-        [0, 1, 2].map(|k| {
+        let channel = |k: usize| {
             let surround = GROUND[k] + (SKY[k] - GROUND[k]) * height;
             let diffuse = key * self.key.color[k] + fill * self.fill.color[k] + surround;
-            let sum = albedo[k] * diffuse
-                + rim * self.rim.color[k] * (0.35 + 0.65 * albedo[k])
-                + gloss * self.key.color[k];
-            shoulder(sum)
-        })
+            let rim = rim * self.rim.color[k] * (0.35 + 0.65 * albedo[k]);
+            shoulder(albedo[k] * diffuse + rim + gloss * self.key.color[k])
+        };
+        [channel(0), channel(1), channel(2)]
     }
 }
 
@@ -139,7 +139,7 @@ fn unit(v: [f32; 3]) -> [f32; 3] {
         f32::MIN_POSITIVE
     };
     let k = 1.0 / d.sqrt();
-    v.map(|c| c * k)
+    [v[0] * k, v[1] * k, v[2] * k]
 }
 
 #[cfg(test)]

@@ -244,6 +244,6 @@ impl<'a> Shader<'a> {
 #[inline(always)]
 fn premultiply(rgb: [f32; 3], alpha: f32) -> [f32; 4] {
     let a = saturate(alpha);
-    let [r, g, b] = rgb.map(|c| saturate(c) * a);
-    [r, g, b, a]
+    let channel = |k: usize| saturate(rgb[k]) * a;
+    [channel(0), channel(1), channel(2), a]
 }

@@ -107,7 +107,7 @@ pub struct SurfaceMaterial {
 impl SurfaceMaterial {
     /// Warm light-grey clay, for models that say nothing.
     pub const CLAY: Self = Self {
-        diffuse: [0.585, 0.54, 0.485],
+        diffuse: [0.53, 0.49, 0.44],
         opacity: 1.0,
         diffuse_map: None,
         opacity_map: None,

@@ -370,10 +370,9 @@ fn make_fans(
         let odd = odd_edges.get(v).copied().unwrap_or(0);
         let through = odd == 2 && !plain_boundary[v];
         let bow_tie = several.get(v).copied().unwrap_or(false);
-        if (odd > 0 && !through) || (bow_tie && odd == 0) {
-            fan.rule = FanRule::Corner;
-            sharp.push(v);
-        } else if fan.faces == 1 && !fan.closed && boundary == Boundary::EdgeAndCorner {
+        let torn = (odd > 0 && !through) || (bow_tie && odd == 0);
+        let tip = fan.faces == 1 && !fan.closed && boundary == Boundary::EdgeAndCorner;
+        if torn || tip {
             fan.rule = FanRule::Corner;
             sharp.push(v);
         }

@@ -60,6 +60,9 @@ fn continuation(s: &[u8], at: usize) -> usize {
 /// Start of the next statement, from a place in this one that is not inside a comment.
 #[inline]
 pub(super) fn next_statement(s: &[u8], mut at: usize) -> usize {
+    if s.get(at) == Some(&b'\n') {
+        return at + 1;
+    }
     loop {
         let end = find_line_end(s, at);
         if end < s.len() && end > at && s[end - 1] == b'\\' && !s[at..end].contains(&b'#') {
@@ -151,6 +154,18 @@ impl<'a> Cursor<'a> {
     pub(super) fn blanks(&mut self) {
         loop {
             match self.s.get(self.at) {
+                Some(b' ') => self.at += 1,
+                Some(b'\n') => return,
+                Some(&b) if b > b' ' && b != b'\\' => return,
+                _ => return self.rare_blanks(),
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn rare_blanks(&mut self) {
+        loop {
+            match self.s.get(self.at) {
                 Some(b' ' | b'\t' | 0x0b | 0x0c) => self.at += 1,
                 Some(b'\\') => match continuation(self.s, self.at) {
                     0 => return,
@@ -164,6 +179,11 @@ impl<'a> Cursor<'a> {
     /// Whether a word of numbers ends here: blank, line end, comment, continuation or end of file.
     #[inline]
     pub(super) fn at_separator(&self) -> bool {
+        matches!(self.s.get(self.at), Some(b' ' | b'\n')) || self.at_rare_separator()
+    }
+
+    #[inline(never)]
+    fn at_rare_separator(&self) -> bool {
         match self.s.get(self.at) {
             None | Some(b' ' | b'\n' | b'\r' | b'\t' | b'#' | 0x0b | 0x0c) => true,
             Some(b'\\') => continuation(self.s, self.at) != 0,
@@ -220,13 +240,12 @@ pub(super) fn names(s: &[u8], at: usize) -> Cow<'_, [u8]> {
 /// Range of a line of names without outer blanks and without a comment: a `#` at its start, or one alone between blanks.
 fn without_comment(line: &[u8]) -> (usize, usize) {
     let blank = |i: usize| line.get(i).is_none_or(u8::is_ascii_whitespace);
-    let mut end = line.len();
-    for i in 0..line.len() {
-        if line[i] == b'#' && (i == 0 || blank(i - 1)) && (i == 0 || blank(i + 1)) {
-            end = i;
-            break;
-        }
-    }
+    let comment = |(i, &b): (usize, &u8)| b == b'#' && (i == 0 || blank(i - 1) && blank(i + 1));
+    let end = line
+        .iter()
+        .enumerate()
+        .position(comment)
+        .unwrap_or(line.len());
     let kept = &line[..end];
     let start = kept
         .iter()

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::parse::{Piece, Span, name_at, pad, positions, push};
+use super::parse::{Piece, Span, name_at, pad, push};
+use super::scan::positions;
 use super::{Counts, UpAxis};
 use crate::mesh::{Cage, Corner, Crease, NONE};
 

@@ -9,10 +9,12 @@
 //! reported in [`Report`], oddities in [`Warning`]s, one per kind.
 
 mod diag;
+mod face;
 mod lex;
 mod merge;
 mod number;
 mod parse;
+mod scan;
 mod sniff;
 mod tags;
 
@@ -22,7 +24,8 @@ pub use diag::{QUOTE_LIMIT, ReadError, ReadErrorKind, Warning, WarningKind, esca
 use lex::LineCounter;
 pub(in crate::mesh) use merge::text as lossless_text;
 use merge::{MergeError, Merged};
-use parse::{Counts, Fault, Note, Parser, Piece, Slots, Span};
+use parse::{Fault, Note, Parser, Piece, Slots, Span};
+use scan::Counts;
 
 use super::resolver::Resolver;
 use super::{Cage, mtl};
@@ -145,7 +148,7 @@ pub fn line_of_face(bytes: &[u8], report: &Report, face: u32) -> Option<usize> {
         number += 1;
     }
     let bytes = bytes.strip_prefix(BOM).unwrap_or(bytes);
-    let offset = parse::face_offset(bytes, number as usize)?;
+    let offset = scan::face_offset(bytes, number as usize)?;
     Some(LineCounter::new(bytes).line(offset))
 }
 
@@ -168,7 +171,7 @@ fn read_text(
     let cuts = lex::cut(bytes, options.chunk_bytes);
     let counts: Vec<Counts> = cuts
         .par_windows(2)
-        .map(|range| parse::count(&bytes[range[0]..range[1]]))
+        .map(|range| scan::count(&bytes[range[0]..range[1]]))
         .collect();
     let mut total = Counts::default();
     for &n in &counts {

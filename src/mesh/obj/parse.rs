@@ -6,43 +6,17 @@
 
 use super::diag::{QUOTE_LIMIT, ReadErrorKind, WarningKind, escape};
 use super::lex::{Cursor, next_statement};
-use super::number::{float, integer};
+use super::number::float;
+use super::scan::{Counts, Statement, statement};
 use super::tags::TagLists;
 use super::{UpAxis, lex};
 use crate::mesh::NONE;
 
-/// What a statement is about.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Statement {
-    Vertex,
-    Uv,
-    Normal,
-    Face,
-    Empty,
-    Other,
-}
+/// Why a statement cannot be read, and where. Boxed, so that what can fail returns in registers.
+pub(super) type Fault = Box<FaultAt>;
 
-/// How many statements of each kind there are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Counts {
-    pub(super) vertices: usize,
-    pub(super) uvs: usize,
-    pub(super) normals: usize,
-    pub(super) faces: usize,
-}
-
-impl Counts {
-    pub(super) fn add(&mut self, other: Self) {
-        self.vertices += other.vertices;
-        self.uvs += other.uvs;
-        self.normals += other.normals;
-        self.faces += other.faces;
-    }
-}
-
-/// Why a statement cannot be read, and where.
 #[derive(Debug)]
-pub(super) struct Fault {
+pub(super) struct FaultAt {
     /// Offset in the file.
     pub(super) at: usize,
     pub(super) kind: ReadErrorKind,
@@ -103,96 +77,6 @@ pub(super) struct Slots<'a> {
     pub(super) points: &'a mut [[f32; 3]],
     pub(super) uvs: &'a mut [[f32; 2]],
     pub(super) normals: &'a mut [[f32; 3]],
-}
-
-/// Skips the keyword of a statement and says which it is. Of other statements the keyword is left in place.
-#[inline]
-fn statement(cur: &mut Cursor<'_>) -> Statement {
-    cur.blanks();
-    let start = cur.at;
-    let kind = match cur.peek() {
-        b'v' => {
-            cur.at += 1;
-            match cur.peek() {
-                b't' => {
-                    cur.at += 1;
-                    Statement::Uv
-                }
-                b'n' => {
-                    cur.at += 1;
-                    Statement::Normal
-                }
-                _ => Statement::Vertex,
-            }
-        }
-        b'f' => {
-            cur.at += 1;
-            Statement::Face
-        }
-        b'\n' | b'\r' | b'#' => return Statement::Empty,
-        0 if cur.at >= cur.s.len() => return Statement::Empty,
-        _ => return Statement::Other,
-    };
-    if cur.at_separator() {
-        return kind;
-    }
-    cur.at = start;
-    Statement::Other
-}
-
-/// First pass: counts the statements of a piece.
-pub(super) fn count(s: &[u8]) -> Counts {
-    let mut counts = Counts::default();
-    let mut cur = Cursor { s, at: 0 };
-    while cur.at < s.len() {
-        match statement(&mut cur) {
-            Statement::Vertex => counts.vertices += 1,
-            Statement::Uv => counts.uvs += 1,
-            Statement::Normal => counts.normals += 1,
-            Statement::Face => counts.faces += 1,
-            Statement::Empty | Statement::Other => {}
-        }
-        cur.at = next_statement(s, cur.at);
-    }
-    counts
-}
-
-/// Positions of a piece once more, in double precision. The first pass over them has found them sound.
-pub(super) fn positions(s: &[u8], up: UpAxis, out: &mut [[f64; 3]]) {
-    let mut cur = Cursor { s, at: 0 };
-    let mut slots = out.iter_mut();
-    while cur.at < s.len() {
-        if statement(&mut cur) == Statement::Vertex {
-            let mut p = [0.0; 3];
-            for c in &mut p {
-                cur.blanks();
-                if let Some((value, end)) = float(s, cur.at) {
-                    *c = value;
-                    cur.at = end;
-                }
-            }
-            if let Some(slot) = slots.next() {
-                *slot = up.turn(p);
-            }
-        }
-        cur.at = next_statement(s, cur.at);
-    }
-}
-
-/// Where the face statement with this number stands in the file.
-pub(super) fn face_offset(s: &[u8], number: usize) -> Option<usize> {
-    let mut cur = Cursor { s, at: 0 };
-    let mut left = number;
-    while cur.at < s.len() {
-        if statement(&mut cur) == Statement::Face {
-            if left == 0 {
-                return Some(cur.at - 1);
-            }
-            left -= 1;
-        }
-        cur.at = next_statement(s, cur.at);
-    }
-    None
 }
 
 /// Second pass over one piece.
@@ -347,7 +231,7 @@ impl<'a> Parser<'a> {
         if n == 2 || n > 4 {
             self.extra_numbers("v");
         }
-        if n < 3 {
+        if n != 3 && n != 4 {
             return Ok(());
         }
         let written = [extra[0], extra[1], extra[2]];
@@ -378,123 +262,6 @@ impl<'a> Parser<'a> {
         self.out.note(WarningKind::ExtraNumbers, at, || {
             format!("more numbers than '{keyword}' takes; ignored")
         });
-    }
-
-    /// The next index as a 0-based number. `seen` of its kind come before this place, `total` are in the file.
-    #[inline]
-    fn index(&mut self, what: &str, seen: usize, total: usize) -> Result<u32, Fault> {
-        if let Some((value, end)) = integer(self.cur.s, self.cur.at) {
-            if value > 0 && value as u64 <= total as u64 {
-                self.cur.at = end;
-                return Ok((value - 1) as u32);
-            }
-            if value < 0 && value.unsigned_abs() <= seen as u64 {
-                self.cur.at = end;
-                return Ok((seen as u64 - value.unsigned_abs()) as u32);
-            }
-        }
-        Err(self.bad_index(what, seen, total))
-    }
-
-    #[cold]
-    fn bad_index(&mut self, what: &str, seen: usize, total: usize) -> Fault {
-        let at = self.cur.at;
-        let word = self.cur.word();
-        let slot = word.split(|&b| b == b'/').next().unwrap_or_default();
-        let quoted = escape(slot, QUOTE_LIMIT);
-        let message = match integer(slot, 0) {
-            Some((value, end)) if end == slot.len() => match value {
-                0 => format!("{what} index 0; indices count from 1"),
-                1.. => format!("{what} index {quoted}, but the file has {total}"),
-                _ => format!("relative {what} index {quoted}, but only {seen} come before"),
-            },
-            _ => format!("'{quoted}' is not a {what} index"),
-        };
-        self.fault(at, message)
-    }
-
-    fn face(&mut self) -> Result<(), Fault> {
-        let number = self.before.faces;
-        self.before.faces += 1;
-        let line = self.cur.at;
-        let start = self.out.corner_vertices.len();
-        while !self.cur.at_end() {
-            let token = self.cur.at;
-            let vertex = self.index("vertex", self.before.vertices, self.total.vertices)?;
-            let (mut uv, mut normal) = (NONE, NONE);
-            if self.cur.peek() == b'/' {
-                self.cur.at += 1;
-                if !matches!(self.cur.peek(), b'/') && !self.cur.at_separator() {
-                    uv = self.index("texture coordinate", self.before.uvs, self.total.uvs)?;
-                }
-                if self.cur.peek() == b'/' {
-                    self.cur.at += 1;
-                    if !self.cur.at_separator() {
-                        normal = self.index("normal", self.before.normals, self.total.normals)?;
-                    }
-                }
-            }
-            if !self.cur.at_separator() {
-                self.cur.at = token;
-                let quoted = escape(self.cur.word(), QUOTE_LIMIT);
-                return Err(self.fault(token, format!("'{quoted}' is not a corner of a face")));
-            }
-            self.corner(vertex, uv, normal)
-                .map_err(|()| self.memory())?;
-        }
-        self.end_face(line, number, start)
-    }
-
-    #[inline]
-    fn corner(&mut self, vertex: u32, uv: u32, normal: u32) -> Result<(), ()> {
-        let out = &mut self.out;
-        let before = out.corner_vertices.len();
-        push(&mut out.corner_vertices, vertex)?;
-        for (value, list) in [(uv, &mut out.corner_uvs), (normal, &mut out.corner_normals)] {
-            if value != NONE {
-                if list.len() != before {
-                    pad(list, before, NONE)?;
-                }
-                push(list, value)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Keeps or drops the face whose corners begin at `start`.
-    #[inline]
-    fn end_face(&mut self, line: usize, number: usize, start: usize) -> Result<(), Fault> {
-        let corners = &self.out.corner_vertices[start..];
-        let distinct = distinct(corners);
-        let n = corners.len();
-        let end = start + n;
-        if distinct < n || n < 3 {
-            let at = self.base + line;
-            if n < 3 {
-                self.out.note(WarningKind::ShortFace, at, || {
-                    format!("face with {n} corners left out")
-                });
-            } else if distinct < 3 {
-                self.out.note(WarningKind::CollapsedFace, at, || {
-                    format!("face with {distinct} different corners left out")
-                });
-            } else {
-                self.out.note(WarningKind::RepeatedVertex, at, || {
-                    "face with a vertex twice".into()
-                });
-            }
-            if distinct < 3 {
-                let out = &mut self.out;
-                out.corner_vertices.truncate(start);
-                out.corner_uvs.truncate(start);
-                out.corner_normals.truncate(start);
-                return push(&mut self.out.dropped, number as u32).map_err(|()| self.memory());
-            }
-        }
-        if end >= NONE as usize {
-            return Err(self.too_large());
-        }
-        push(&mut self.out.face_ends, end as u32).map_err(|()| self.memory())
     }
 
     /// Statements other than coordinates and faces.
@@ -555,54 +322,30 @@ impl<'a> Parser<'a> {
 
     #[cold]
     pub(super) fn fault(&self, at: usize, what: String) -> Fault {
-        Fault {
+        Box::new(FaultAt {
             at: self.base + at,
             kind: ReadErrorKind::Data,
             what,
-        }
+        })
     }
 
     #[cold]
     pub(super) fn memory(&self) -> Fault {
-        Fault {
+        Box::new(FaultAt {
             at: self.base + self.cur.at,
             kind: ReadErrorKind::Limit,
             what: "not enough memory".into(),
-        }
+        })
     }
 
     #[cold]
-    fn too_large(&self) -> Fault {
-        Fault {
+    pub(super) fn too_large(&self) -> Fault {
+        Box::new(FaultAt {
             at: self.base + self.cur.at,
             kind: ReadErrorKind::Limit,
             what: "more corners than 32-bit indices can name".into(),
-        }
+        })
     }
-}
-
-/// How many different vertices a face has.
-#[inline]
-fn distinct(corners: &[u32]) -> usize {
-    if let [a, b, c, d] = *corners
-        && a != b
-        && a != c
-        && a != d
-        && b != c
-        && b != d
-        && c != d
-    {
-        return 4;
-    }
-    if corners.len() <= 8 {
-        return (0..corners.len())
-            .filter(|&i| !corners[..i].contains(&corners[i]))
-            .count();
-    }
-    let mut sorted = corners.to_vec();
-    sorted.sort_unstable();
-    sorted.dedup();
-    sorted.len()
 }
 
 /// Appends, reporting a failed allocation instead of ending the program.

@@ -1,0 +1,54 @@
+//! Every example runs.
+
+use std::process::Command;
+
+/// `cargo test` builds the examples beside the test programs.
+fn example(name: &str) -> Command {
+    let mut folder = std::env::current_exe().unwrap();
+    folder.pop();
+    folder.pop();
+    let path = folder
+        .join("examples")
+        .join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
+    assert!(
+        path.is_file(),
+        "{} is not built; run the whole of `cargo test`, or `cargo build --examples` before",
+        path.display()
+    );
+    Command::new(path)
+}
+
+fn output(name: &str, arguments: &[&str]) -> String {
+    let out = example(name).args(arguments).output().unwrap();
+    assert!(
+        out.status.success(),
+        "{name}: {}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+    String::from_utf8(out.stdout).unwrap()
+}
+
+#[test]
+fn limit_points_prints_the_grid() {
+    let text = output("limit_points", &[]);
+    assert_eq!(text.lines().count(), 25);
+    assert!(text.starts_with("[-0.5, -0.5, -0.5]"), "{text}");
+}
+
+#[test]
+fn caller_pool_draws_eight_views() {
+    let text = output("caller_pool", &[]);
+    assert_eq!(text.lines().count(), 8);
+    assert!(!text.contains(": 0 pixels"));
+}
+
+#[test]
+fn render_writes_a_picture() {
+    let folder = std::env::temp_dir().join(format!("earmark-example-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let out = folder.join("cube.png");
+    let model = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/cube.obj");
+    output("render", &[model, out.to_str().unwrap(), "3"]);
+    assert!(std::fs::read(&out).unwrap().starts_with(b"\x89PNG"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -1,0 +1,267 @@
+//! Pictures of every asset against `golden/`, pixel by pixel.
+//!
+//! A new or changed picture is accepted by `EARMARK_BLESS=1 cargo test --test golden`, which writes it and then fails, so that no run
+//! that writes can pass. Only the scalar code on one thread may write. A mismatch leaves the expected, the actual and the difference
+//! picture, figures, and a page to look at them under `target/golden/`.
+
+mod common;
+
+use earmark::compare::{compare, difference};
+use earmark::film::Image;
+use earmark::frame::{Drawing, Refinement};
+use earmark::shade::ShadeMode;
+use earmark::simd::Level;
+use earmark::{Camera, Renderer, film};
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+struct Golden {
+    name: String,
+    asset: &'static str,
+    level: u32,
+    drawing: Drawing,
+    mode: ShadeMode,
+    samples: u32,
+    camera: Camera,
+}
+
+/// Catmull-Clark throughout; the level is part of the name.
+fn goldens() -> Vec<Golden> {
+    let mut out = Vec::new();
+    let mut add = |asset, level, what: &str, drawing, mode, samples, camera| {
+        let name = format!("{asset}_catmull-clark_l{level}{what}");
+        out.push(Golden {
+            name,
+            asset,
+            level,
+            drawing,
+            mode,
+            samples,
+            camera,
+        });
+    };
+    let camera = Camera::default();
+    for asset in [
+        "corner",
+        "cube",
+        "fan24",
+        "fan3",
+        "fan5",
+        "fan8",
+        "grid",
+        "mobius",
+        "octahedron",
+        "part",
+        "tetrahedron",
+        "torus",
+    ] {
+        add(asset, 3, "", Drawing::Limit, ShadeMode::Lit, 4, camera);
+    }
+    add("creature", 4, "", Drawing::Limit, ShadeMode::Lit, 4, camera);
+    add(
+        "creature",
+        2,
+        "_normals",
+        Drawing::Limit,
+        ShadeMode::Normals,
+        1,
+        camera,
+    );
+    add(
+        "creature",
+        2,
+        "_uv",
+        Drawing::Limit,
+        ShadeMode::Uv,
+        1,
+        camera,
+    );
+    add(
+        "creature",
+        3,
+        "_ortho_16",
+        Drawing::Limit,
+        ShadeMode::Lit,
+        16,
+        camera.with_ortho().with_orbit(200.0, 10.0),
+    );
+    add(
+        "creature",
+        1,
+        "_refined_flat",
+        Drawing::Refined,
+        ShadeMode::Flat,
+        8,
+        camera,
+    );
+    add(
+        "creature",
+        0,
+        "_cage",
+        Drawing::Cage,
+        ShadeMode::Lit,
+        4,
+        camera,
+    );
+    add("part", 0, "", Drawing::Limit, ShadeMode::Lit, 4, camera);
+    add(
+        "part",
+        0,
+        "_cage",
+        Drawing::Cage,
+        ShadeMode::Flat,
+        4,
+        camera,
+    );
+    add(
+        "part",
+        2,
+        "_depth",
+        Drawing::Limit,
+        ShadeMode::Depth,
+        1,
+        camera,
+    );
+    add(
+        "part",
+        7,
+        "_near",
+        Drawing::Limit,
+        ShadeMode::Lit,
+        4,
+        camera.with_zoom(6.0),
+    );
+    add(
+        "torus",
+        6,
+        "_level",
+        Drawing::Limit,
+        ShadeMode::Level,
+        1,
+        camera,
+    );
+    out
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("golden")
+}
+
+fn draw(g: &Golden, simd: Level) -> Image {
+    let scene = common::load(&common::assets().join(format!("{}.obj", g.asset)));
+    let mut renderer = Renderer::new(256, 256);
+    renderer.size.samples = g.samples;
+    renderer.refinement = Refinement::Uniform(g.level);
+    renderer.drawing = g.drawing;
+    renderer.mode = g.mode;
+    renderer.simd = simd;
+    renderer.render(&scene, &g.camera).unwrap().image
+}
+
+fn decode(bytes: &[u8]) -> Image {
+    let picture = image::load_from_memory(bytes).unwrap().into_rgba8();
+    Image {
+        width: picture.width(),
+        height: picture.height(),
+        data: picture.into_raw(),
+    }
+}
+
+#[test]
+fn pictures_equal_their_goldens() {
+    let bless = std::env::var_os("EARMARK_BLESS").is_some_and(|v| v == "1");
+    let mut failures = Vec::new();
+    let mut written = 0;
+    for g in goldens() {
+        let path = folder().join(format!("{}.png", g.name));
+        let actual = draw(&g, Level::detect());
+        let expected = std::fs::read(&path).ok().map(|b| decode(&b));
+        if expected.as_ref() == Some(&actual) {
+            continue;
+        }
+        if bless {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .build()
+                .unwrap();
+            let image = pool.install(|| draw(&g, Level::SCALAR));
+            std::fs::write(&path, film::png::encode(&image).unwrap()).unwrap();
+            written += 1;
+        } else {
+            failures.push((g.name, expected, actual));
+        }
+    }
+    assert_eq!(
+        written, 0,
+        "{written} goldens written; look at them, then run again without EARMARK_BLESS"
+    );
+    if !failures.is_empty() {
+        let page = report(&failures);
+        panic!("{} pictures differ; see {}", failures.len(), page.display());
+    }
+}
+
+/// Writes pictures, figures and a page; returns the page.
+fn report(failures: &[(String, Option<Image>, Image)]) -> PathBuf {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .parent()
+        .unwrap()
+        .join("golden");
+    std::fs::create_dir_all(&out).unwrap();
+    let mut html = String::from(
+        "<!doctype html><meta charset=utf-8><title>golden pictures</title><style>body{font:14px sans-serif;background:#777}td{padding:4px}</style><table>",
+    );
+    for (name, expected, actual) in failures {
+        let save = |kind: &str, image: &Image| {
+            std::fs::write(
+                out.join(format!("{name}.{kind}.png")),
+                film::png::encode(image).unwrap(),
+            )
+            .unwrap()
+        };
+        save("actual", actual);
+        let mut figures = String::from("no golden yet");
+        if let Some(expected) = expected {
+            save("expected", expected);
+            if let Ok(difference) = difference(expected, actual) {
+                save("difference", &difference);
+            }
+            figures = compare(expected, actual)
+                .map_or_else(|_| "sizes differ".into(), |c| format!("{c:?}"));
+        }
+        std::fs::write(out.join(format!("{name}.txt")), &figures).unwrap();
+        let cell = |kind: &str| format!("<td><img src='{name}.{kind}.png' alt='{kind}'><br>{kind}");
+        let _ = write!(
+            html,
+            "<tr><td colspan=3><b>{name}</b> {figures}<tr>{}{}{}",
+            cell("expected"),
+            cell("actual"),
+            cell("difference")
+        );
+    }
+    let page = out.join("index.html");
+    std::fs::write(&page, html).unwrap();
+    page
+}
+
+#[test]
+fn every_golden_is_read_by_a_test() {
+    let known: BTreeSet<String> = goldens()
+        .into_iter()
+        .map(|g| format!("{}.png", g.name))
+        .collect();
+    for entry in std::fs::read_dir(folder()).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        assert!(known.contains(&name), "golden/{name} is read by no test");
+    }
+}
+
+#[test]
+fn a_changed_picture_is_noticed() {
+    let g = goldens().remove(1);
+    let mut image = draw(&g, Level::detect());
+    let expected = decode(&std::fs::read(folder().join(format!("{}.png", g.name))).unwrap());
+    image.data[4 * 128 * 257] ^= 1;
+    assert_ne!(expected, image);
+}
