@@ -52,6 +52,7 @@ pub mod math;
 pub mod mesh;
 pub mod raster;
 pub mod records;
+pub mod refine;
 pub mod scheme;
 pub mod shade;
 pub mod sheet;

@@ -4,6 +4,7 @@ mod cage;
 mod mtl;
 pub mod obj;
 pub mod resolver;
+pub mod write;
 
 pub use cage::{Cage, CageError, Corner, Crease, Material, NONE, Tags};
 pub use obj::{ReadError, ReadErrorKind, Warning, WarningKind};

@@ -3,6 +3,11 @@
 //! Sources: Catmull, Clark, *Recursively generated B-spline surfaces on arbitrary topological meshes*, 1978; Loop, *Smooth
 //! subdivision surfaces based on triangles*, 1987; DeRose, Kass, Truong, *Subdivision surfaces in character animation*, 1998.
 
+pub mod catmull_clark;
+pub mod crease;
+pub mod dart;
+pub mod limit;
+
 /// Sharpness from which on an edge or vertex is infinitely sharp and never decays.
 pub const INFINITE_SHARPNESS: f32 = 10.0;
 
@@ -54,4 +59,15 @@ pub enum TriangleRule {
     Catmark,
     /// Smoother weights beside triangles.
     Smooth,
+}
+
+/// Subdivision schemes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Scheme {
+    /// Catmull and Clark: cubic B-splines on any polygons.
+    #[default]
+    CatmullClark,
+    /// Face centres and edge midpoints; old vertices stay.
+    Bilinear,
 }

@@ -1,0 +1,201 @@
+//! Limit positions and unit limit normals of the vertices of a level.
+//!
+//! A vertex and its ring of quads refine on their own: the ring of the next level needs nothing but this ring. So where masks do not hold
+//! yet (polygons, semi-sharp creases) the ring alone is refined until they do, at no cost for the rest of the mesh. Where sharp edges
+//! divide the ring, every sector has its own normal, and the corners of its faces name it.
+
+use super::real::Real;
+use super::ring::Spoke;
+use super::sharpness::Step;
+use super::{Level, Options, edge, face, vertex};
+use crate::scheme::crease::is_semi_sharp;
+use crate::topology::{NONE, Ring, Topology};
+use rayon::prelude::*;
+
+mod local;
+mod sectors;
+
+use local::LocalRing;
+use sectors::Tables;
+
+type Point = [f64; 3];
+
+/// Limit points of a level.
+#[derive(Clone, Debug, Default)]
+pub struct Limit<T> {
+    /// One position per vertex.
+    pub positions: Vec<[T; 3]>,
+    /// Unit normals: one per vertex, then those of further sectors.
+    pub normals: Vec<[T; 3]>,
+    /// Normal of every corner; empty when that is the normal of its vertex everywhere.
+    pub corner_normals: Vec<u32>,
+}
+
+impl<T> Limit<T> {
+    /// The normal of corner `h` of `topology`.
+    #[must_use]
+    pub fn normal_index(&self, topology: &Topology, h: u32) -> u32 {
+        match self.corner_normals.get(h as usize) {
+            Some(&n) => n,
+            None => topology.vertex(h),
+        }
+    }
+}
+
+/// One vertex: position, first normal, and every corner's normal where they differ.
+struct VertexLimit {
+    position: Point,
+    normal: Point,
+    corners: Vec<(u32, Point)>,
+}
+
+/// Computes the limit of all vertices of `level`.
+#[must_use]
+pub fn limit<T: Real>(level: &Level<T>, options: &Options) -> Limit<T> {
+    let t = &level.topology;
+    let step = Step::new(t, options);
+    let tables = Tables::new();
+    let vertices: Vec<VertexLimit> = (0..t.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(1 << 10)
+        .map_init(
+            || (LocalRing::default(), Vec::new()),
+            |(ring, spokes), v| vertex_limit(&step, &tables, &level.points, v, ring, spokes),
+        )
+        .collect();
+    let narrow = |p: &Point| p.map(T::from_f64);
+    let mut out = Limit {
+        positions: vertices.iter().map(|v| narrow(&v.position)).collect(),
+        normals: vertices.iter().map(|v| narrow(&v.normal)).collect(),
+        corner_normals: Vec::new(),
+    };
+    for (v, limit) in vertices.iter().enumerate() {
+        if !limit.corners.is_empty() && out.corner_normals.is_empty() {
+            out.corner_normals.clone_from(&t.corner_vertices);
+        }
+        let mut seen: Vec<(Point, u32)> = vec![];
+        for (h, normal) in &limit.corners {
+            let known = seen.iter().find(|(n, _)| n == normal).map(|s| s.1);
+            let index = known.unwrap_or_else(|| {
+                let index = if seen.is_empty() && *normal == limit.normal {
+                    v as u32
+                } else {
+                    out.normals.push(narrow(normal));
+                    out.normals.len() as u32 - 1
+                };
+                seen.push((*normal, index));
+                index
+            });
+            out.corner_normals[*h as usize] = index;
+        }
+    }
+    out
+}
+
+fn vertex_limit<T: Real>(
+    step: &Step<'_>,
+    tables: &Tables,
+    points: &[[T; 3]],
+    v: u32,
+    ring: &mut LocalRing,
+    spokes: &mut Vec<Spoke>,
+) -> VertexLimit {
+    let t = step.topology;
+    let x = points[v as usize].map(T::to_f64);
+    if t.fans[v as usize].first == NONE {
+        return VertexLimit {
+            position: x,
+            normal: [0.0, 0.0, 1.0],
+            corners: Vec::new(),
+        };
+    }
+    let mut position = x;
+    let mut corners = Vec::new();
+    let mut sectors = 0;
+    for fan in std::iter::once(v).chain(step.incidence.extra_fans(v)) {
+        fan_ring(step, points, v, fan, ring, spokes);
+        while ring.is_semi_sharp() {
+            ring.advance(step.options.creases);
+        }
+        if fan == v {
+            position = if step.is_linear() {
+                x
+            } else {
+                ring.position(tables)
+            };
+        }
+        for (faces, normal) in ring.normals(tables, step.is_linear()) {
+            sectors += 1;
+            let of_face = |i: usize| Ring::of_fan(t, fan).nth(i);
+            corners.extend(faces.filter_map(of_face).map(|h| (h, normal)));
+        }
+    }
+    let normal = corners.first().map_or([0.0, 0.0, 1.0], |c| c.1);
+    if sectors < 2 {
+        corners.clear();
+    }
+    VertexLimit {
+        position,
+        normal,
+        corners,
+    }
+}
+
+/// Fills `ring` with the ring of quads around one fan of vertex `v`: of this level if masks hold here, else of the next.
+fn fan_ring<T: Real>(
+    step: &Step<'_>,
+    points: &[[T; 3]],
+    v: u32,
+    fan: u32,
+    ring: &mut LocalRing,
+    spokes: &mut Vec<Spoke>,
+) {
+    let t = step.topology;
+    let index = &t.corner_vertices;
+    let wide = |p: [T; 3]| p.map(T::to_f64);
+    ring.clear(t.fans()[fan as usize].closed);
+    let quads =
+        t.all_quads() || Ring::of_fan(t, fan).all(|h| t.face_halves(t.face_of(h)).len() == 4);
+    step.incidence.spokes(t, v, spokes);
+    let semi_sharp = is_semi_sharp(t.vertex_sharpness(v))
+        || spokes
+            .iter()
+            .any(|s| is_semi_sharp(t.edge_sharpness(s.edge)));
+    let face_point = |f: u32| face::value(step, f, index, points);
+    let here = quads && !semi_sharp || step.is_linear();
+    if here {
+        ring.x = wide(points[v as usize]);
+        ring.sigma = t.vertex_sharpness(v);
+    } else {
+        ring.x = wide(vertex::value(step, v, spokes, index, points, face_point));
+        ring.sigma = step.child_vertex(v);
+    }
+    spokes.clear();
+    super::ring::fan_spokes(t, fan, spokes);
+    for s in spokes.iter() {
+        if here {
+            let sharpness = t.edge_sharpness(s.edge);
+            ring.push_edge(
+                wide(points[t.vertex(s.far_corner) as usize]),
+                sharpness,
+                sharpness,
+            );
+        } else {
+            let children = step.child_edge(s.edge);
+            let near = children[s.end as usize];
+            let far = children[1 - s.end as usize];
+            ring.push_edge(
+                wide(edge::value(step, s.edge, index, points, face_point)),
+                near,
+                far,
+            );
+        }
+    }
+    for h in Ring::of_fan(t, fan) {
+        ring.faces.push(if here {
+            wide(points[t.vertex(t.next(t.next(h))) as usize])
+        } else {
+            wide(face_point(t.face_of(h)))
+        });
+    }
+}

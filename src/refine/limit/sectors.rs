@@ -1,0 +1,280 @@
+//! Limit masks on a local ring: the position, and one normal per sector between sharp edges.
+
+use super::Point;
+use super::local::LocalRing;
+use crate::refine::real::{add, add_scaled, scaled};
+use crate::scheme::CreaseMethod;
+use crate::scheme::crease::Rule;
+use crate::scheme::dart::{self, DartMasks};
+use crate::scheme::limit::{self, RingMask};
+use std::ops::Range;
+use std::sync::OnceLock;
+
+const TABLE: usize = dart::MAX_VALENCE as usize + 1;
+/// Steps after which the ring of a dart of high valence is taken as smooth.
+const DART_STEPS: usize = 64;
+/// Two tangents count as parallel when the sine of their angle is below this.
+const PARALLEL: f64 = 1e-7;
+
+/// Masks by valence, made when first needed.
+pub(super) struct Tables {
+    smooth: [OnceLock<[RingMask; 2]>; TABLE],
+    sides: [OnceLock<RingMask>; TABLE],
+    darts: [OnceLock<DartMasks>; TABLE],
+}
+
+impl Tables {
+    pub(super) fn new() -> Self {
+        Self {
+            smooth: [const { OnceLock::new() }; TABLE],
+            sides: [const { OnceLock::new() }; TABLE],
+            darts: [const { OnceLock::new() }; TABLE],
+        }
+    }
+
+    fn with<M, R>(
+        table: &[OnceLock<M>],
+        n: usize,
+        make: impl Fn(u32) -> M,
+        using: impl FnOnce(&M) -> R,
+    ) -> R {
+        match table.get(n) {
+            Some(cell) => using(cell.get_or_init(|| make(n as u32))),
+            None => using(&make(n as u32)),
+        }
+    }
+}
+
+fn cross(a: &Point, b: &Point) -> Point {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn dot(a: &Point, b: &Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn minus(a: &Point, b: &Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `v` with length 1, or nothing when it has no direction.
+fn unit(v: Point) -> Option<Point> {
+    // Scale first: squares of small tangents would vanish.
+    let largest = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+    if !(largest > 0.0 && largest.is_finite()) {
+        return None;
+    }
+    let v = v.map(|c| c / largest);
+    let length = dot(&v, &v).sqrt();
+    Some(v.map(|c| c / length))
+}
+
+/// The direction across both tangents, unless they are parallel or vanish.
+fn across(tangents: [Point; 2]) -> Option<Point> {
+    let [Some(a), Some(b)] = tangents.map(unit) else {
+        return None;
+    };
+    let n = cross(&a, &b);
+    if dot(&n, &n) < PARALLEL * PARALLEL {
+        return None;
+    }
+    unit(n)
+}
+
+/// Faces `first`, `first + 1`, … of a ring, `count` of them, around the end if need be.
+#[derive(Clone, Copy, Debug)]
+struct Sector {
+    first: usize,
+    count: usize,
+}
+
+impl LocalRing {
+    fn edge(&self, i: usize) -> &Point {
+        &self.edges[i % self.edges.len()]
+    }
+    fn face(&self, i: usize) -> &Point {
+        &self.faces[i % self.faces.len()]
+    }
+
+    /// A mask over the ring from edge `first` on, about the vertex: only differences enter, so that far from the origin nothing is lost.
+    fn apply(&self, mask: &RingMask, first: usize) -> Point {
+        let mut sum = [0.0; 3];
+        for (i, w) in mask.edges.iter().enumerate() {
+            add_scaled(&mut sum, *w, &minus(self.edge(first + i), &self.x));
+        }
+        for (i, w) in mask.faces.iter().enumerate() {
+            add_scaled(&mut sum, *w, &minus(self.face(first + i), &self.x));
+        }
+        sum
+    }
+
+    /// Limit position. The ring must not be semi-sharp.
+    pub(super) fn position(&self, tables: &Tables) -> Point {
+        let n = self.faces.len();
+        let sharp = self.sharp_edges();
+        match self.rule() {
+            Rule::Corner => self.x,
+            Rule::Crease => {
+                let mut point = scaled(limit::CREASE_VERTEX, &self.x);
+                for i in sharp {
+                    add_scaled(&mut point, limit::CREASE_END, &self.edges[i]);
+                }
+                point
+            }
+            Rule::Dart if n < TABLE && n > 1 => {
+                let mut point = self.x;
+                let offset = Tables::with(&tables.darts, n, DartMasks::new, |d| {
+                    self.apply(&d.position, sharp[0])
+                });
+                add(&mut point, &offset);
+                point
+            }
+            Rule::Dart => {
+                let mut ring = self.clone();
+                for _ in 0..DART_STEPS {
+                    ring.advance(CreaseMethod::Uniform);
+                }
+                ring.smooth_position()
+            }
+            Rule::Smooth => self.smooth_position(),
+        }
+    }
+
+    fn smooth_position(&self) -> Point {
+        let [x, e, f] = limit::position(self.faces.len() as u32);
+        let mut point = scaled(x, &self.x);
+        for i in 0..self.faces.len() {
+            add_scaled(&mut point, e, &self.edges[i]);
+            add_scaled(&mut point, f, &self.faces[i]);
+        }
+        point
+    }
+
+    fn sectors(&self, linear: bool) -> Vec<Sector> {
+        let n = self.faces.len();
+        let sharp = self.sharp_edges();
+        let each = || (0..n).map(|first| Sector { first, count: 1 }).collect();
+        if linear {
+            return each();
+        }
+        match self.rule() {
+            Rule::Smooth => vec![Sector { first: 0, count: n }],
+            Rule::Dart => vec![Sector {
+                first: sharp[0],
+                count: n,
+            }],
+            // A sharp point on a smooth sheet is the tip of a cone: it has as many normals as faces.
+            Rule::Corner if sharp.len() < 2 => each(),
+            Rule::Crease | Rule::Corner => {
+                let mut out: Vec<Sector> = sharp
+                    .windows(2)
+                    .map(|w| Sector {
+                        first: w[0],
+                        count: w[1] - w[0],
+                    })
+                    .collect();
+                if self.closed {
+                    let last = sharp[sharp.len() - 1];
+                    out.push(Sector {
+                        first: last,
+                        count: n - (last - sharp[0]),
+                    });
+                }
+                out
+            }
+        }
+    }
+
+    fn tangents(&self, tables: &Tables, sector: Sector, linear: bool) -> [Point; 2] {
+        let n = self.faces.len();
+        let (a, b) = (
+            self.edge(sector.first),
+            self.edge(sector.first + sector.count),
+        );
+        let rule = if linear { Rule::Corner } else { self.rule() };
+        match rule {
+            Rule::Corner => [minus(a, &self.x), minus(b, &self.x)],
+            Rule::Crease => {
+                let inward = Tables::with(&tables.sides, sector.count, limit::side_tangent, |m| {
+                    self.apply(m, sector.first)
+                });
+                [minus(a, b), inward]
+            }
+            Rule::Dart if n < TABLE && n > 1 => {
+                Tables::with(&tables.darts, n, DartMasks::new, |d| {
+                    [0, 1].map(|k| self.apply(&d.tangents[k], sector.first))
+                })
+            }
+            Rule::Smooth | Rule::Dart => {
+                Tables::with(&tables.smooth, n, limit::smooth_tangents, |m| {
+                    [0, 1].map(|k| self.apply(&m[k], sector.first))
+                })
+            }
+        }
+    }
+
+    /// Sum of the face normals of a sector, each by its diagonals.
+    fn face_normal(&self, sector: Sector) -> Point {
+        let mut sum = [0.0; 3];
+        for i in sector.first..sector.first + sector.count {
+            add(&mut sum, &self.diagonal_normal(i));
+        }
+        sum
+    }
+
+    fn diagonal_normal(&self, i: usize) -> Point {
+        cross(
+            &minus(self.face(i), &self.x),
+            &minus(self.edge(i + 1), self.edge(i)),
+        )
+    }
+
+    fn normal(&self, tables: &Tables, sector: Sector, linear: bool) -> Point {
+        let mut ring = None;
+        for _ in 0..3 {
+            let at = ring.as_ref().unwrap_or(self);
+            if let Some(n) = across(at.tangents(tables, sector, linear)) {
+                // Two tangents of a corner know its plane, but not which side of a reflex angle is the sector.
+                let flip = at.rule() == Rule::Corner
+                    && sector.count > 1
+                    && dot(&n, &at.face_normal(sector)) < 0.0;
+                return if flip { n.map(|c| -c) } else { n };
+            }
+            if linear {
+                break;
+            }
+            // Parallel tangents: those of the next level may not be.
+            let mut next = at.clone();
+            next.advance(CreaseMethod::Uniform);
+            ring = Some(next);
+        }
+        let faces = sector.first..sector.first + sector.count;
+        unit(self.face_normal(sector))
+            .or_else(|| faces.clone().find_map(|i| unit(self.diagonal_normal(i))))
+            .or_else(|| (0..self.faces.len()).find_map(|i| unit(self.diagonal_normal(i))))
+            .unwrap_or([0.0, 0.0, 1.0])
+    }
+
+    /// One unit normal per sector, with the faces of the sector. The ring must not be semi-sharp.
+    pub(super) fn normals(
+        &self,
+        tables: &Tables,
+        linear: bool,
+    ) -> Vec<(impl Iterator<Item = usize> + use<>, Point)> {
+        let n = self.faces.len();
+        let wrap = move |r: Range<usize>| r.map(move |i| i % n);
+        self.sectors(linear)
+            .into_iter()
+            .map(|s| {
+                (
+                    wrap(s.first..s.first + s.count),
+                    self.normal(tables, s, linear),
+                )
+            })
+            .collect()
+    }
+}
