@@ -18,7 +18,7 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::mesh::obj::escape;
 use crate::mesh::{ResolveError, Resolver};
-pub use atomic::{AtomicFile, write_atomic};
+pub use atomic::{AtomicFile, abandon_outputs, check_output, write_atomic};
 
 /// Why a file was not read or written.
 #[derive(Debug)]
@@ -102,6 +102,14 @@ impl std::error::Error for FileError {
             What::System(e) => Some(e),
             _ => None,
         }
+    }
+}
+
+/// The folder that holds a file.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
     }
 }
 
@@ -242,11 +250,7 @@ impl FolderResolver {
     /// # Errors
     /// [`FileError`] when the folder is not there.
     pub fn beside(model: &Path) -> Result<Self, FileError> {
-        let folder = match model.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        Self::new(folder)
+        Self::new(folder_of(model))
     }
 
     /// A resolver for a folder.

@@ -1,7 +1,8 @@
 //! Budgets that a caller sets: memory, faces, time. Checked before allocating and between pieces of work; a limit that is reached
 //! is an error, never a partial result.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Budgets of one job. The default has none.
@@ -13,8 +14,35 @@ pub struct Limits {
     pub max_faces: Option<u64>,
     /// When to give up, and how long that was at the start.
     pub deadline: Option<(Instant, Duration)>,
-    /// Set by another thread to stop the job.
-    pub cancelled: AtomicBool,
+    /// Set by another thread, or a signal handler, to stop the job.
+    pub cancelled: Arc<AtomicBool>,
+    /// How far the job is, for another thread to look at.
+    pub progress: Arc<Progress>,
+}
+
+/// Pieces of work done, and how many there are in all.
+#[derive(Debug, Default)]
+pub struct Progress {
+    done: AtomicU64,
+    total: AtomicU64,
+}
+
+impl Progress {
+    /// Begins a stretch of `total` pieces.
+    pub fn begin(&self, total: u64) {
+        self.done.store(0, Ordering::Relaxed);
+        self.total.store(total, Ordering::Relaxed);
+    }
+    /// One piece is done.
+    pub fn step(&self) {
+        self.done.fetch_add(1, Ordering::Relaxed);
+    }
+    /// Pieces done and pieces in all; both 0 before [`Progress::begin`].
+    #[must_use]
+    pub fn get(&self) -> (u64, u64) {
+        let done = self.done.load(Ordering::Relaxed);
+        (done, self.total.load(Ordering::Relaxed).max(done))
+    }
 }
 
 /// A limit was reached.

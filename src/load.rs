@@ -2,9 +2,10 @@
 
 use crate::files::{FileError, FolderResolver, read_model};
 use crate::frame::Scene;
+use crate::limits::LimitError;
 use crate::mesh::obj::{self, ReadError, ReadOptions};
 use crate::mesh::resolver::Resolver;
-use crate::mesh::{Material, NONE};
+use crate::mesh::{Cage, Material, NONE};
 use crate::shade::SurfaceMaterial;
 use crate::surface::{Surface, SurfaceOptions};
 use crate::texture::{Meaning, Texture};
@@ -26,6 +27,8 @@ pub struct LoadOptions {
     pub surface: SurfaceOptions,
     /// Largest model file.
     pub max_file: u64,
+    /// Most bytes that the surface of one model may be predicted to take.
+    pub max_surface: u64,
     /// Whether textures are loaded.
     pub textures: bool,
 }
@@ -36,6 +39,7 @@ impl Default for LoadOptions {
             read: ReadOptions::default(),
             surface: SurfaceOptions::default(),
             max_file: u64::MAX,
+            max_surface: u64::MAX,
             textures: true,
         }
     }
@@ -51,7 +55,25 @@ pub enum LoadError {
     /// Its text is no cage.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// A budget was reached.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
 }
+
+/// About how many bytes a surface takes at its peak, while it is being connected: rounded up from measurements.
+fn surface_bytes(cage: &Cage) -> u128 {
+    let corners = cage.corner_vertices.len() as u128;
+    let vertices = cage.points.len() as u128;
+    let quads = corners == 4 * cage.face_count() as u128;
+    let per_corner = if quads { PER_CORNER } else { PER_CORNER * 5 };
+    let channels = 1 + u128::from(!cage.corner_uvs.is_empty());
+    (corners * per_corner + vertices * PER_VERTEX) * channels
+}
+
+/// Bytes per corner of a cage of quads; others are split into four times as many.
+const PER_CORNER: u128 = 48;
+/// Bytes per vertex.
+const PER_VERTEX: u128 = 96;
 
 /// Loads scenes model by model.
 #[derive(Debug)]
@@ -94,10 +116,48 @@ impl Loader {
         name: &str,
         resolver: &mut dyn Resolver,
     ) -> Result<(), LoadError> {
+        let cage = self.read(bytes, name, resolver)?;
+        self.add_cage(cage, name, resolver)
+    }
+
+    /// The first half of [`Loader::add_bytes`], for who times it: text to cage. Warnings are kept.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn read(
+        &mut self,
+        bytes: &[u8],
+        name: &str,
+        resolver: &mut dyn Resolver,
+    ) -> Result<Cage, LoadError> {
         let read = obj::read(bytes, name, resolver, &self.options.read)?;
         self.warnings
             .extend(read.warnings.iter().map(ToString::to_string));
-        let surface = Surface::new(read.cage, &self.options.surface);
+        Ok(read.cage)
+    }
+
+    /// The second half: cage to surface, with its textures. All models of a scene share the origin of the first.
+    ///
+    /// # Errors
+    /// [`LoadError::Limit`] when the surface would take more than [`LoadOptions::max_surface`].
+    pub fn add_cage(
+        &mut self,
+        mut cage: Cage,
+        name: &str,
+        resolver: &mut dyn Resolver,
+    ) -> Result<(), LoadError> {
+        if let Some(first) = self.scene.objects.first() {
+            cage.move_origin(first.surface.cage().origin());
+        }
+        let wanted = surface_bytes(&cage);
+        if wanted > u128::from(self.options.max_surface) {
+            return Err(LoadError::Limit(LimitError::Memory {
+                what: "the surface",
+                wanted: u64::try_from(wanted).unwrap_or(u64::MAX),
+                allowed: self.options.max_surface,
+            }));
+        }
+        let surface = Surface::new(cage, &self.options.surface);
         self.warnings
             .extend(surface.warnings().iter().map(|w| format!("{name}: {w}")));
         self.add_surface(surface, name, resolver);
@@ -177,6 +237,11 @@ impl Loader {
         maps.into_iter()
             .filter_map(|(k, v)| Some((k, v?)))
             .collect()
+    }
+
+    /// The options, to change budgets between models.
+    pub fn options_mut(&mut self) -> &mut LoadOptions {
+        &mut self.options
     }
 
     /// The scene, and what was worth a warning.

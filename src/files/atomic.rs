@@ -4,8 +4,9 @@ use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{FileError, What, kind_of};
+use super::{FileError, What, folder_of, kind_of};
 
 /// An output file that appears whole, on [`AtomicFile::commit`], or not at all.
 ///
@@ -29,11 +30,7 @@ impl AtomicFile {
     pub fn create(path: &Path) -> Result<Self, FileError> {
         let error = |what| FileError::new(path, what);
         let (target, existing) = target_of(path).map_err(error)?;
-        let folder = match target.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        let (temporary, file) = create_temporary(folder).map_err(|e| error(What::System(e)))?;
+        let (temporary, file) = create_temporary(folder_of(&target)).map_err(error)?;
         let output = Self {
             temporary: Some(temporary),
             target,
@@ -50,6 +47,18 @@ impl AtomicFile {
         Ok(output)
     }
 
+    /// Puts all bytes on disk, so that [`AtomicFile::commit`] has nothing left to do but the renaming.
+    ///
+    /// # Errors
+    /// [`FileError`] when they cannot be stored.
+    pub fn sync(&mut self) -> Result<(), FileError> {
+        let stored = self
+            .file
+            .flush()
+            .and_then(|()| self.file.get_ref().sync_all());
+        stored.map_err(|e| FileError::new(&self.named, What::System(e)))
+    }
+
     /// Makes the output appear, complete and on disk.
     ///
     /// # Errors
@@ -64,9 +73,16 @@ impl AtomicFile {
         self.file.get_ref().sync_all().map_err(What::System)?;
         // Something may have taken its place since; a rename would replace a device node, for those who may.
         target_of(&self.target)?;
-        if let Some(temporary) = &self.temporary {
-            fs::rename(temporary, &self.target).map_err(What::System)?;
-            self.temporary = None;
+        if let Some(temporary) = self.temporary.take() {
+            let mut under_way = under_way();
+            if under_way.abandoned {
+                return Err(What::Wrong(ABANDONED));
+            }
+            under_way.files.retain(|f| *f != temporary);
+            if let Err(e) = fs::rename(&temporary, &self.target) {
+                let _ = fs::remove_file(&temporary);
+                return Err(What::System(e));
+            }
         }
         // The rename itself is on disk when the folder is; not every file system can do that.
         #[cfg(unix)]
@@ -89,9 +105,52 @@ impl Write for AtomicFile {
 impl Drop for AtomicFile {
     fn drop(&mut self) {
         if let Some(temporary) = &self.temporary {
+            under_way().files.retain(|f| f != temporary);
             let _ = fs::remove_file(temporary);
         }
     }
+}
+
+/// Temporary files of all outputs under way.
+struct UnderWay {
+    files: Vec<PathBuf>,
+    abandoned: bool,
+}
+
+/// Why there are no outputs any more.
+const ABANDONED: &str = "given up, the program is ending";
+
+fn under_way() -> MutexGuard<'static, UnderWay> {
+    static UNDER_WAY: Mutex<UnderWay> = Mutex::new(UnderWay {
+        files: Vec::new(),
+        abandoned: false,
+    });
+    // A list of names stays good whatever happened to another thread.
+    UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of all outputs under way and lets no output appear from now on: for a program that is about to end
+/// while other threads still work.
+pub fn abandon_outputs() {
+    let mut under_way = under_way();
+    under_way.abandoned = true;
+    for file in under_way.files.drain(..) {
+        let _ = fs::remove_file(file);
+    }
+}
+
+/// Finds out, before any work is done for it, whether an output can be placed at `path`. Nothing is written.
+///
+/// # Errors
+/// As [`AtomicFile::create`], as far as it can be told without writing.
+pub fn check_output(path: &Path) -> Result<(), FileError> {
+    let error = |what| FileError::new(path, what);
+    let (target, _) = target_of(path).map_err(error)?;
+    let meta = fs::metadata(folder_of(&target)).map_err(|e| error(What::System(e)))?;
+    if !meta.is_dir() {
+        return Err(error(What::Wrong("a part of the path is not a folder")));
+    }
+    Ok(())
 }
 
 /// Writes an output file whole or not at all.
@@ -140,18 +199,25 @@ fn target_of(path: &Path) -> Result<(PathBuf, Option<Metadata>), What> {
 }
 
 /// Makes a new file in the folder. Its name does not depend on the output's, which may be as long as the system takes.
-fn create_temporary(folder: &Path) -> io::Result<(PathBuf, File)> {
+fn create_temporary(folder: &Path) -> Result<(PathBuf, File), What> {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let process = std::process::id();
     let mut tries = 0;
+    let mut under_way = under_way();
+    if under_way.abandoned {
+        return Err(What::Wrong(ABANDONED));
+    }
     loop {
         let n = NEXT.fetch_add(1, Ordering::Relaxed);
         let path = folder.join(format!(".earmark-{process}-{n}.tmp"));
         match OpenOptions::new().write(true).create_new(true).open(&path) {
-            Ok(file) => return Ok((path, file)),
+            Ok(file) => {
+                under_way.files.push(path.clone());
+                return Ok((path, file));
+            }
             // Left by a process that was killed and had our number.
             Err(e) if e.kind() == ErrorKind::AlreadyExists && tries < 1000 => tries += 1,
-            Err(e) => return Err(e),
+            Err(e) => return Err(What::System(e)),
         }
     }
 }

@@ -338,6 +338,7 @@ impl Renderer {
     }
 
     fn tiles(&self, frame: &Frame<'_>, stats: &mut FrameStats) -> Result<Image, LimitError> {
+        self.limits.progress.begin(frame.grid.len() as u64);
         let drawn: Vec<(Vec<u8>, u64, StageTimes)> = (0..frame.grid.len())
             .into_par_iter()
             .with_max_len(1)
@@ -348,6 +349,7 @@ impl Renderer {
                     scratch.times = StageTimes::measuring(self.measure);
                     let mut pixels = Vec::new();
                     let covered = tile::draw_tile(frame, tile, scratch, &mut pixels);
+                    self.limits.progress.step();
                     Ok((pixels, covered, scratch.times))
                 },
             )

@@ -237,6 +237,17 @@ impl Cage {
         Ok(self)
     }
 
+    /// Moves the origin that points are relative to; the shape stays where it is, but for rounding.
+    pub fn move_origin(&mut self, origin: [f64; 3]) {
+        let shift: [f64; 3] = std::array::from_fn(|k| self.origin[k] - origin[k]);
+        if shift != [0.0; 3] {
+            for p in &mut self.points {
+                *p = std::array::from_fn(|k| (f64::from(p[k]) + shift[k]) as f32);
+            }
+        }
+        self.origin = origin;
+    }
+
     /// Positions of the cage's vertices, relative to [`Cage::origin`].
     #[must_use]
     pub fn points(&self) -> &[[f32; 3]] {
@@ -299,6 +310,12 @@ impl Cage {
     #[must_use]
     pub fn face_material(&self, f: usize) -> Option<&Material> {
         self.materials.get(*self.face_materials.get(f)? as usize)
+    }
+    /// Index of the material of face `f` in [`Cage::materials`].
+    #[must_use]
+    pub fn face_material_index(&self, f: usize) -> Option<usize> {
+        let index = *self.face_materials.get(f)?;
+        (index != NONE).then_some(index as usize)
     }
     /// All materials.
     #[must_use]

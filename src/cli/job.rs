@@ -1,0 +1,409 @@
+//! What every verb works with: limits, clocks, threads, the models it loads, and the outputs it stages.
+
+use super::exit::{Code, Failure};
+use super::flags::{ModelFlags, RunningFlags};
+use super::messages::{note, warning};
+use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms};
+use super::watch::{self, Phase};
+use earmark::Scene;
+use earmark::files::{self, AtomicFile, FolderResolver};
+use earmark::limits::{Limits, Progress};
+use earmark::load::{LoadOptions, Loader};
+use earmark::mesh::resolver::{NoFiles, Resolver};
+use earmark::mesh::{Cage, obj};
+use earmark::simd::Level as SimdLevel;
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Threads beyond this many per processor only take memory.
+const MOST_THREADS_PER_CORE: usize = 4;
+/// As many are always allowed, so that a result can be compared over thread counts anywhere.
+const ALWAYS_ALLOWED: usize = 64;
+
+/// One run of the program.
+pub(crate) struct Job {
+    pub(crate) start: Instant,
+    pub(crate) running: RunningFlags,
+    pub(crate) simd: SimdLevel,
+    pub(crate) threads: usize,
+    pub(crate) stages: Stages,
+    max_memory: Option<u64>,
+    deadline: Option<(Instant, Duration)>,
+    cancelled: Arc<AtomicBool>,
+    progress: Arc<Progress>,
+}
+
+impl Job {
+    pub(crate) fn new(start: Instant, running: &RunningFlags) -> Result<Self, Failure> {
+        let simd = SimdLevel::from_name(&running.simd.name())?;
+        let deadline = running
+            .timeout
+            .and_then(|t| Some((start.checked_add(t)?, t)));
+        Ok(Self {
+            start,
+            simd,
+            threads: threads(running.threads),
+            stages: Stages::default(),
+            max_memory: running.max_memory.or_else(default_memory),
+            deadline,
+            cancelled: Arc::default(),
+            progress: Arc::default(),
+            running: running.clone(),
+        })
+    }
+
+    /// Handlers of signals, deadline and progress.
+    pub(crate) fn watch(&self) {
+        watch::Watch {
+            cancelled: Arc::clone(&self.cancelled),
+            progress: Arc::clone(&self.progress),
+            start: self.start,
+            deadline: self.deadline,
+            show: self.running.progress,
+            quiet: self.running.quiet,
+        }
+        .start();
+    }
+
+    /// The thread pool that all of the work runs on.
+    pub(crate) fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .build()
+            .map_err(|e| {
+                let message = format!("earmark: cannot start {} threads: {e}", self.threads);
+                Failure::new(Code::Limit, message)
+            })
+    }
+
+    /// Limits for what is still to be done: memory that is held already is taken off.
+    pub(crate) fn limits(&self) -> Limits {
+        Limits {
+            max_memory: self.memory_left(),
+            max_faces: self.running.max_faces,
+            deadline: self.deadline,
+            cancelled: Arc::clone(&self.cancelled),
+            progress: Arc::clone(&self.progress),
+        }
+    }
+
+    pub(crate) fn memory_left(&self) -> Option<u64> {
+        self.max_memory.map(|m| m.saturating_sub(held_bytes()))
+    }
+
+    /// Runs a stage with both clocks on.
+    pub(crate) fn time<R>(&mut self, stage: &'static str, work: impl FnOnce(&mut Self) -> R) -> R {
+        let clock = Clock::now();
+        let result = work(self);
+        self.stages.add(stage, clock.elapsed());
+        result
+    }
+
+    /// Reads models into one scene and prints their warnings.
+    pub(crate) fn load(
+        &mut self,
+        models: &[PathBuf],
+        flags: &ModelFlags,
+    ) -> Result<Scene, Failure> {
+        watch::phase(Phase::Reading);
+        let mut loader = Loader::new(LoadOptions {
+            surface: flags.surface(),
+            ..LoadOptions::default()
+        });
+        loader.options_mut().read.up = flags.file_up();
+        for model in models {
+            self.limits().check()?;
+            let (cage, name, mut resolver) = self.time("read", |job| {
+                let (bytes, name, mut resolver) = job.read_bytes(model, flags)?;
+                if let Some(left) = job.memory_left() {
+                    loader.options_mut().read.max_bytes = left;
+                }
+                let cage = loader.read(&bytes, &name, resolver.as_mut())?;
+                Ok::<_, Failure>((cage, name, resolver))
+            })?;
+            self.limits().check()?;
+            note(&format!(
+                "{name}: {} faces, {} vertices; scheme catmull-clark",
+                cage.face_count(),
+                cage.points().len()
+            ));
+            if let Some(left) = self.memory_left() {
+                loader.options_mut().max_surface = left;
+            }
+            self.time("connect", |_| {
+                loader.add_cage(cage, &name, resolver.as_mut())
+            })?;
+        }
+        let (scene, warnings) = loader.finish();
+        for w in &warnings {
+            warning(w);
+        }
+        Ok(scene)
+    }
+
+    /// Reads one model as it stands, with all that the reader has to say.
+    pub(crate) fn read_cage(
+        &mut self,
+        model: &Path,
+        flags: &ModelFlags,
+    ) -> Result<obj::Read, Failure> {
+        watch::phase(Phase::Reading);
+        self.time("read", |job| {
+            let (bytes, name, mut resolver) = job.read_bytes(model, flags)?;
+            let mut options = obj::ReadOptions {
+                up: flags.file_up(),
+                ..obj::ReadOptions::default()
+            };
+            if let Some(left) = job.memory_left() {
+                options.max_bytes = left;
+            }
+            Ok(obj::read(&bytes, &name, resolver.as_mut(), &options)?)
+        })
+    }
+
+    /// The bytes of a model, what messages call it, and what hands out the files that it names.
+    fn read_bytes(
+        &self,
+        model: &Path,
+        flags: &ModelFlags,
+    ) -> Result<(Vec<u8>, String, Box<dyn Resolver>), Failure> {
+        let most = self.memory_left().unwrap_or(u64::MAX);
+        if model.as_os_str() != "-" {
+            let bytes = files::read_model(model, most)?;
+            let resolver = FolderResolver::beside(model)?;
+            return Ok((bytes, model.display().to_string(), Box::new(resolver)));
+        }
+        if flags.format.is_none() {
+            return Err(Failure::usage(
+                "a model from standard input needs --format obj",
+            ));
+        }
+        let name = "standard input";
+        let bytes = files::read_stream(name, io::stdin().lock(), most)?;
+        // It has no folder, so the files that it names are not looked for.
+        Ok((bytes, name.to_owned(), Box::new(NoFiles)))
+    }
+
+    /// The members that every JSON report begins with; `middle` comes between.
+    pub(crate) fn report(&self, model: Json, middle: Vec<(&str, Json)>) -> Vec<(String, Json)> {
+        let mut members = vec![
+            ("version", Json::text(env!("CARGO_PKG_VERSION"))),
+            ("model", model),
+        ];
+        members.extend(middle);
+        members.extend([
+            ("threads", Json::count(self.threads)),
+            ("simd", Json::text(self.simd.name())),
+            ("peak_bytes", peak_bytes().map_or(Json::Null, Json::Whole)),
+            (
+                "wall_ms",
+                Json::Number(self.start.elapsed().as_secs_f64() * 1e3),
+            ),
+            ("cpu_ms", Json::Number(process_cpu_ms())),
+            ("stages", self.stages.json()),
+        ]);
+        members
+            .into_iter()
+            .map(|(k, v)| (k.to_owned(), v))
+            .collect()
+    }
+}
+
+/// The models of a report: one name, or a list.
+pub(crate) fn model_names(models: &[PathBuf]) -> Json {
+    let mut names: Vec<Json> = models
+        .iter()
+        .map(|m| Json::text(m.display().to_string()))
+        .collect();
+    match names.len() {
+        1 => names.remove(0),
+        _ => Json::List(names),
+    }
+}
+
+/// A cage's first and last coordinates with its origin, in double precision.
+pub(crate) fn bounds(cage: &Cage) -> [[f64; 3]; 2] {
+    let origin = cage.origin();
+    cage.bounds()
+        .map(|p| std::array::from_fn(|k| f64::from(p[k]) + origin[k]))
+}
+
+/// Where an output goes.
+#[derive(Clone, Debug)]
+pub(crate) enum Output {
+    Stdout,
+    File(PathBuf),
+}
+
+impl Output {
+    /// Checks an output before any work is done for it: its ending, its place, and that it is none of the inputs.
+    pub(crate) fn checked(
+        path: &Path,
+        endings: &[&str],
+        inputs: &[&Path],
+    ) -> Result<Self, Failure> {
+        if path.as_os_str() == "-" {
+            if io::stdout().is_terminal() && endings.contains(&"png") {
+                return Err(Failure::usage(
+                    "standard output is a terminal; a picture would only disturb it",
+                ));
+            }
+            return Ok(Self::Stdout);
+        }
+        let ending = path
+            .extension()
+            .map(|e| e.to_string_lossy().to_ascii_lowercase());
+        if !endings.is_empty() && !ending.is_some_and(|e| endings.contains(&e.as_str())) {
+            let known: Vec<String> = endings.iter().map(|e| format!(".{e}")).collect();
+            return Err(Failure::usage(format!(
+                "{}: unknown ending; outputs end in {}",
+                path.display(),
+                known.join(" or ")
+            )));
+        }
+        if inputs.iter().any(|i| files::same_file(i, path)) {
+            let message = format!("{}: is an input, and is not written over", path.display());
+            return Err(Failure::new(Code::Io, message));
+        }
+        files::check_output(path)?;
+        Ok(Self::File(path.to_owned()))
+    }
+
+    /// Puts the bytes where only [`Staged::commit`] is left to do; on standard output they are gone.
+    pub(crate) fn stage(&self, bytes: &[u8]) -> Result<Staged, Failure> {
+        let path = match self {
+            Self::Stdout => {
+                print(bytes)?;
+                return Ok(Staged(None));
+            }
+            Self::File(path) => path,
+        };
+        let mut file = AtomicFile::create(path)?;
+        file.write_all(bytes).map_err(|e| {
+            let message = format!("{}: {}", path.display(), e.kind());
+            Failure::new(Code::Io, message)
+        })?;
+        file.sync()?;
+        Ok(Staged(Some(file)))
+    }
+}
+
+/// An output that is complete and on disk, but not yet in its place.
+pub(crate) struct Staged(Option<AtomicFile>);
+
+impl Staged {
+    pub(crate) fn commit(self) -> Result<(), Failure> {
+        match self.0 {
+            Some(file) => Ok(file.commit()?),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Outputs appear together, after the last moment at which a signal or the deadline can prevent it.
+pub(crate) fn commit_all(outputs: Vec<Staged>) -> Result<(), Failure> {
+    watch::settle();
+    for output in outputs {
+        output.commit()?;
+    }
+    Ok(())
+}
+
+/// Bytes to standard output.
+pub(crate) fn print(bytes: &[u8]) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    out.write_all(bytes)
+        .and_then(|()| out.flush())
+        .map_err(|e| Failure::new(Code::Io, format!("standard output: {}", e.kind())))
+}
+
+/// Text to standard output. A reader that has seen enough, as `head`, is no failure.
+pub(crate) fn print_text(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::new(
+            Code::Io,
+            format!("standard output: {}", e.kind()),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// How many threads: the flag (or its variable), rayon's variable, the processors.
+fn threads(wanted: Option<u32>) -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let from_rayon = || {
+        let n: usize = std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok()?;
+        (n > 0).then_some(n)
+    };
+    let wanted = match wanted {
+        Some(n) => n as usize,
+        None => from_rayon().unwrap_or(cores),
+    };
+    let most = (cores * MOST_THREADS_PER_CORE).max(ALWAYS_ALLOWED);
+    if wanted > most {
+        warning(&format!(
+            "{wanted} threads are more than help here; {most} are used"
+        ));
+    }
+    wanted.min(most)
+}
+
+/// Three quarters of what the process may have: its control group's limit, its own limit of address space, physical memory.
+fn default_memory() -> Option<u64> {
+    let physical = || {
+        let info = std::fs::read_to_string("/proc/meminfo").ok()?;
+        let line = info.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
+        let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+        Some(kilobytes << 10)
+    };
+    let least = [physical(), group_limit(), address_space()]
+        .into_iter()
+        .flatten()
+        .min()?;
+    Some(least / 4 * 3)
+}
+
+#[cfg(unix)]
+fn address_space() -> Option<u64> {
+    rustix::process::getrlimit(rustix::process::Resource::As).current
+}
+
+#[cfg(not(unix))]
+fn address_space() -> Option<u64> {
+    None
+}
+
+/// The smallest memory limit among the process' control group and those around it, of both versions.
+fn group_limit() -> Option<u64> {
+    let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+    let mut least = None;
+    for line in groups.lines() {
+        let mut fields = line.splitn(3, ':').skip(1);
+        let (Some(controllers), Some(path)) = (fields.next(), fields.next()) else {
+            continue;
+        };
+        let (root, file) = match controllers {
+            "" => ("/sys/fs/cgroup", "memory.max"),
+            c if c.split(',').any(|c| c == "memory") => {
+                ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")
+            }
+            _ => continue,
+        };
+        // In a container the path may be that of the host; the mount's root is the group then.
+        let mut folder = PathBuf::from(root).join(path.trim_start_matches('/'));
+        loop {
+            let limit = std::fs::read_to_string(folder.join(file)).ok();
+            if let Some(n) = limit.and_then(|s| s.trim().parse::<u64>().ok()) {
+                least = Some(least.map_or(n, |l: u64| l.min(n)));
+            }
+            if folder == Path::new(root) || !folder.pop() {
+                break;
+            }
+        }
+    }
+    least
+}
