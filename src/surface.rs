@@ -229,6 +229,11 @@ impl Surface {
     pub fn has_uvs(&self) -> bool {
         self.uv.is_some()
     }
+    /// Points of the cage, as they are now.
+    #[must_use]
+    pub fn control_base(&self) -> &[[f32; 3]] {
+        &self.cage.points
+    }
     /// Points of the quad mesh, by vertex.
     #[must_use]
     pub fn control_points(&self) -> &[[f32; 3]] {
@@ -257,15 +262,37 @@ impl Surface {
         self.dice_with(q, level, DiceFault::None)
     }
 
+    /// Every quad's control points after `level` steps, with the normals of the limit.
+    ///
+    /// # Panics
+    /// As [`Surface::dice`].
+    #[must_use]
+    pub fn refine_quads(&self, level: u32) -> impl Iterator<Item = DicedQuad> + '_ {
+        assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
+        let fans = self.refined_fans(level);
+        (0..self.quads().face_count() as u32)
+            .map(move |q| self.dice_quad(q, level, DiceFault::None, Some(&fans)))
+    }
+
     /// [`Surface::dice`] with a rule broken, for tests.
     #[doc(hidden)]
     #[must_use]
     pub fn dice_with(&self, q: u32, level: u32, fault: DiceFault) -> DicedQuad {
+        self.dice_quad(q, level, fault, None)
+    }
+
+    fn dice_quad(
+        &self,
+        q: u32,
+        level: u32,
+        fault: DiceFault,
+        refined: Option<&FanPoints>,
+    ) -> DicedQuad {
         assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
         let mut patch = QuadPatch::default();
         patch.points.fault = fault;
         patch.set_simd(Level::detect());
-        patch.prepare(self, q, level, None);
+        patch.prepare(self, q, level, refined);
         let side = (1_usize << level) + 1;
         let mut out = DicedQuad {
             side,

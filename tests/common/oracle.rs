@@ -1,0 +1,229 @@
+//! The per-quad path held against whole-mesh refinement in f64: an independent way to the same points.
+#![allow(dead_code, missing_docs, unreachable_pub)]
+
+use earmark::mesh::NONE;
+use earmark::refine::{Level, Options, limit, refine};
+use earmark::topology::{ConnectOptions, connect};
+use earmark::{Cage, Surface, SurfaceOptions};
+
+/// Largest differences of one comparison.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Worst {
+    /// Distance of points, of the bounding box's diagonal.
+    pub point: f64,
+    /// Angle of normals in degrees, where the oracle has a normal by rule.
+    pub normal: f64,
+    /// Points compared.
+    pub count: u64,
+}
+
+impl Worst {
+    pub fn add(&mut self, o: Worst) {
+        self.point = self.point.max(o.point);
+        self.normal = self.normal.max(o.normal);
+        self.count += o.count;
+    }
+}
+
+/// The same cage without creases and corners, hence smooth.
+pub fn smooth(surface: &Surface, options: &SurfaceOptions) -> Surface {
+    let cage = surface.cage();
+    let sizes: Vec<u32> = (0..cage.face_count())
+        .map(|f| cage.face(f).len() as u32)
+        .collect();
+    let mut plain = Cage::new(
+        cage.points().to_vec(),
+        &sizes,
+        cage.corner_vertices().to_vec(),
+    )
+    .unwrap();
+    if !cage.corner_uvs().is_empty() && !cage.corner_uvs().contains(&NONE) {
+        plain = plain
+            .with_uvs(cage.uvs().to_vec(), cage.corner_uvs().to_vec())
+            .unwrap();
+    }
+    Surface::new(plain, options)
+}
+
+pub fn size(surface: &Surface) -> f64 {
+    let [lo, hi] = surface.cage().bounds();
+    (0..3)
+        .map(|c| f64::from(hi[c] - lo[c]).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}
+
+fn distance(a: [f32; 3], b: [f64; 3]) -> f64 {
+    (0..3)
+        .map(|c| (f64::from(a[c]) - b[c]).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}
+
+fn angle(a: [f32; 3], b: [f64; 3]) -> f64 {
+    let a = a.map(f64::from);
+    let cross = [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ];
+    let sine = cross.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let cosine: f64 = (0..3).map(|c| a[c] * b[c]).sum();
+    sine.atan2(cosine).to_degrees()
+}
+
+/// Corner number of the level's mesh at every point of quad `q`'s grid, row by row.
+fn grid_corners(surface: &Surface, q: u32, quad_level: u32) -> Vec<u32> {
+    let n = 1_i32 << quad_level;
+    let mut grid = vec![u32::MAX; ((n + 1) * (n + 1)) as usize];
+    // Faces are numbered by the corners of the level above; a quad's child has the parent's corner at the parent's position.
+    let square = [[0, 0], [n, 0], [n, n], [0, n]];
+    let mut first = square;
+    if surface.is_split() {
+        // The quad is child q of a polygon; the oracle turns children of quads, the split mesh does not.
+        let base = surface.topology();
+        let face = base.face_halves(base.face_of(q));
+        let turn = if face.len() == 4 { q - face.start } else { 0 };
+        first = std::array::from_fn(|k| square[(k + 4 - turn as usize) % 4]);
+    }
+    let mut stack = vec![(0, q, first)];
+    while let Some((depth, face, p)) = stack.pop() {
+        if depth == quad_level {
+            for c in 0..4 {
+                grid[(p[c][1] * (n + 1) + p[c][0]) as usize] = 4 * face + c as u32;
+            }
+            continue;
+        }
+        let mid = |a: [i32; 2], b: [i32; 2]| [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
+        for j in 0..4 {
+            let mut child = [[0; 2]; 4];
+            child[j] = p[j];
+            child[(j + 1) % 4] = mid(p[j], p[(j + 1) % 4]);
+            child[(j + 2) % 4] = mid(p[0], p[2]);
+            child[(j + 3) % 4] = mid(p[j], p[(j + 3) % 4]);
+            stack.push((depth + 1, 4 * face + j as u32, child));
+        }
+    }
+    grid
+}
+
+/// Compares limit points, normals and control points of every quad at a level of the cage.
+pub fn compare(surface: &Surface, level: u32) -> Worst {
+    let points = surface
+        .control_base()
+        .iter()
+        .map(|p| p.map(f64::from))
+        .collect();
+    let base = Level::<f64>::new(surface.topology().clone(), points).unwrap();
+    let fine = refine(base, &Options::default(), level, None, &mut Default::default()).unwrap();
+    let want = limit(&fine, &Options::default());
+    let t = &fine.topology;
+    let quad_level = level - u32::from(surface.is_split());
+    let scale = size(surface);
+    let mut worst = Worst::default();
+    for (q, control) in surface.refine_quads(quad_level).enumerate() {
+        let grid = surface.dice(q as u32, quad_level);
+        for (k, h) in grid_corners(surface, q as u32, quad_level)
+            .into_iter()
+            .enumerate()
+        {
+            let v = t.vertex(h) as usize;
+            worst.point = worst
+                .point
+                .max(distance(grid.points[k], want.positions[v]) / scale);
+            worst.point = worst
+                .point
+                .max(distance(control.points[k], fine.points[v]) / scale);
+            // Vertices of valence 2 have no normal in general, and the tangents of folded or flat sheets are parallel.
+            let fan = t.fans()[t.fan(h) as usize];
+            if fan.edges() > 2 {
+                let n = want.normals[want.normal_index(t, h) as usize];
+                worst.normal = worst.normal.max(angle(grid.normals[k], n));
+            }
+            worst.count += 1;
+        }
+    }
+    worst
+}
+
+/// The faces around face `f` of a level as a mesh of their own; `f` becomes face 0.
+fn crop(level: &Level<f64>, f: u32) -> Level<f64> {
+    let t = &level.topology;
+    let mut faces = vec![f];
+    for h in t.face_halves(f) {
+        for g in earmark::topology::Ring::of_fan(t, t.fan(h)) {
+            if !faces.contains(&t.face_of(g)) {
+                faces.push(t.face_of(g));
+            }
+        }
+    }
+    let (mut points, mut corners, mut offsets, mut number) = (
+        Vec::new(),
+        Vec::new(),
+        vec![0],
+        std::collections::BTreeMap::new(),
+    );
+    for f in faces {
+        for h in t.face_halves(f) {
+            let v = t.vertex(h);
+            corners.push(*number.entry(v).or_insert_with(|| {
+                points.push(level.points[v as usize]);
+                points.len() as u32 - 1
+            }));
+        }
+        offsets.push(corners.len() as u32);
+    }
+    let (t, _) = connect(points.len(), &offsets, corners, &ConnectOptions::default());
+    Level::new(t, points).unwrap()
+}
+
+/// Compares the limit at chosen points of quad `q` of a quad cage at a deep level; `picks` are grid squares (column, row).
+pub fn compare_deep(surface: &Surface, q: u32, level: u32, picks: &[[u32; 2]]) -> Worst {
+    assert!(!surface.is_split());
+    let grid = surface.dice(q, level);
+    let n = 1_u32 << level;
+    let scale = size(surface);
+    let mut worst = Worst::default();
+    for &[col, row] in picks {
+        let points = surface
+            .control_base()
+            .iter()
+            .map(|p| p.map(f64::from))
+            .collect();
+        let mut mesh = crop(
+            &Level::<f64>::new(surface.topology().clone(), points).unwrap(),
+            q,
+        );
+        // Walk down: the child at the corner of the half that holds the square. Children keep the directions of u and v.
+        for depth in 1..=level {
+            let bit = |x: u32| (x >> (level - depth)) & 1;
+            let child = match (bit(col), bit(row)) {
+                (0, 0) => 0,
+                (1, 0) => 1,
+                (1, 1) => 2,
+                _ => 3,
+            };
+            let fine = refine(mesh, &Options::default(), 1, None, &mut Default::default()).unwrap();
+            mesh = crop(&fine, child);
+        }
+        let want = limit(&mesh, &Options::default());
+        for (c, [i, j]) in [
+            [col, row],
+            [col + 1, row],
+            [col + 1, row + 1],
+            [col, row + 1],
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let v = mesh.topology.vertex(c as u32) as usize;
+            let k = (j * (n + 1) + i) as usize;
+            worst.point = worst
+                .point
+                .max(distance(grid.points[k], want.positions[v]) / scale);
+            worst.normal = worst.normal.max(angle(grid.normals[k], want.normals[v]));
+            worst.count += 1;
+        }
+    }
+    worst
+}
