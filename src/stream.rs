@@ -1,6 +1,7 @@
 //! Limit points and normals of a whole surface, block by block, without storing them: what a program needs that wants the points and
 //! not a picture. Each thread has its own [`BlockStream`] and buffers, and takes the quads that it likes.
 
+use crate::dice::face::Sides;
 use crate::dice::{FacePatch, MAX_LEVEL};
 use crate::records::{BlockSize, Grid3};
 use crate::surface::{QuadPatch, Surface};
@@ -67,7 +68,7 @@ impl<'a> BlockStream<'a> {
     /// When there is no such quad.
     pub fn quad(&mut self, q: u32, mut each: impl FnMut(&Self, u32, u32)) {
         self.patch
-            .prepare_points(self.surface, q, self.level, None, true);
+            .prepare_points(self.surface, q, self.level, None, Sides::Normals);
         let n = self.blocks_per_side();
         for v in 0..n {
             for u in 0..n {

@@ -1,6 +1,6 @@
 //! The subdivision surface of a cage: topology once, points as often as they move.
 
-use crate::dice::face::{Channel, FacePatch};
+use crate::dice::face::{Channel, FacePatch, Sides};
 use crate::dice::fan_points::{FanPoints, TangentMasks};
 use crate::dice::presplit::presplit;
 use crate::dice::{DiceFault, MAX_LEVEL, Target};
@@ -389,7 +389,7 @@ impl QuadPatch {
         level: u32,
         refined: Option<&FanPoints>,
     ) {
-        self.prepare_points(surface, q, level, refined, true);
+        self.prepare_points(surface, q, level, refined, Sides::Normals);
         self.prepare_uvs(surface, q);
     }
 
@@ -400,7 +400,7 @@ impl QuadPatch {
         q: u32,
         level: u32,
         refined: Option<&FanPoints>,
-        sides: bool,
+        sides: Sides,
     ) {
         self.level = level;
         self.uv_ready = false;
@@ -435,7 +435,7 @@ impl QuadPatch {
             fans: &uv.fans,
         };
         self.uvs
-            .prepare(channel, q, Target::Limit, self.level, false);
+            .prepare(channel, q, Target::Limit, self.level, Sides::None);
     }
 
     pub(crate) fn has_uvs(&self) -> bool {
@@ -451,7 +451,7 @@ impl QuadPatch {
                 fans: &colors.fans,
             };
             self.colors
-                .prepare(channel, q, Target::Limit, self.level, false);
+                .prepare(channel, q, Target::Limit, self.level, Sides::None);
             self.color_ready = true;
         }
         self.color_ready

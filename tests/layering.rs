@@ -25,6 +25,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "math", "simd", "records", "scheme", "topology", "mesh", "dice", "Cage", "Surface",
         ],
     ),
+    (
+        "stream",
+        &["records", "dice", "surface", "simd", "Surface", "Cage"],
+    ),
     ("raster", &["math", "simd", "records", "dispatch"]),
     (
         "shade",

@@ -9,8 +9,16 @@ mod coverage;
 #[path = "common/edges.rs"]
 mod edges;
 
+#[path = "common/oracle.rs"]
+mod oracle;
+#[path = "support/points.rs"]
+mod points;
+
 use earmark::dice::DiceFault;
 use earmark::frame::coverage::CoverageFault;
+use earmark::scheme::Boundary;
+use earmark::{Surface, SurfaceOptions};
+use std::path::{Path, PathBuf};
 
 fn thorough() -> bool {
     std::env::var_os("EARMARK_THOROUGH").is_some_and(|v| v == "1")
@@ -81,4 +89,185 @@ fn closed_models_have_as_many_fronts_as_backs_at_every_sample() {
         }
     }
     println!("coverage: 0 of {samples} samples unequal ({covered} covered) in {cases} cases");
+}
+
+/// The Catmull-Clark shapes of the reference data that are smooth: no crease, corner or hole. Path and boundary rule.
+fn smooth_shapes(shared: &Path) -> Vec<(PathBuf, Boundary)> {
+    let table = std::fs::read_to_string(shared.join("opensubdiv/cases.tsv")).unwrap();
+    let mut out = Vec::new();
+    for line in table.lines().skip(1) {
+        let columns: Vec<&str> = line.split('\t').collect();
+        let boundary = match columns[2] {
+            "edge-only" => Boundary::EdgeOnly,
+            "edge-and-corner" => Boundary::EdgeAndCorner,
+            _ => continue,
+        };
+        if columns[1] != "catmull-clark" || columns[5] != "catmark" || columns[6] != "plain" {
+            continue;
+        }
+        let path = shared
+            .join("opensubdiv/shapes")
+            .join(format!("{}.obj", columns[0]));
+        let text = std::fs::read_to_string(&path).unwrap();
+        if !["t crease ", "t corner ", "t hole "]
+            .iter()
+            .any(|tag| text.contains(tag))
+        {
+            out.push((path, boundary));
+        }
+    }
+    out
+}
+
+fn surface_of(path: &Path, boundary: Boundary) -> Surface {
+    let options = SurfaceOptions {
+        boundary: Some(boundary),
+        ..SurfaceOptions::default()
+    };
+    oracle::smooth(&common::load(path).objects[0].surface, &options)
+}
+
+#[test]
+fn smooth_shapes_agree_with_whole_mesh_refinement() {
+    let Some(shared) = common::shared() else {
+        println!("oracle: skipped, EARMARK_SHARED is not set");
+        return;
+    };
+    let shapes = smooth_shapes(&shared);
+    let levels = if thorough() { 6 } else { 4 };
+    let mut sum = oracle::Worst::default();
+    for (path, boundary) in &shapes {
+        for level in 1..=levels {
+            let worst = oracle::compare(&surface_of(path, *boundary), level);
+            assert!(
+                worst.point <= 1e-5,
+                "{} at level {level}: {worst:?}",
+                path.display()
+            );
+            sum.add(worst);
+        }
+    }
+    println!(
+        "oracle: {} shapes, levels 1 to {levels}: {sum:?}",
+        shapes.len()
+    );
+    assert_eq!(shapes.len(), 30);
+}
+
+/// Numbers of the lines that begin with `key`.
+fn numbers(text: &str, key: &str) -> Vec<Vec<f64>> {
+    let lines = text.lines().filter_map(|l| l.strip_prefix(key));
+    lines
+        .map(|l| {
+            l.split_whitespace()
+                .filter_map(|w| w.parse().ok())
+                .collect()
+        })
+        .collect()
+}
+
+#[test]
+fn smooth_shapes_agree_with_the_expected_results() {
+    let Some(shared) = common::shared() else {
+        println!("expected: skipped, EARMARK_SHARED is not set");
+        return;
+    };
+    let (mut levels, mut limits, mut normals) = (0, 0, 0);
+    let (mut worst_point, mut worst_limit, mut worst_normal) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for (path, boundary) in smooth_shapes(&shared) {
+        let surface = surface_of(&path, boundary);
+        let (name, size) = (common::name(&path), oracle::size(&surface));
+        let expected = |suffix: &str| {
+            std::fs::read_to_string(
+                shared
+                    .join("opensubdiv/expected")
+                    .join(format!("{name}.{suffix}")),
+            )
+            .ok()
+        };
+        let split = u32::from(surface.is_split());
+        for level in 1..=3 {
+            let Some(text) = expected(&format!("L{level}.obj")) else {
+                continue;
+            };
+            let faces = numbers(&text.replace('/', " "), "f ");
+            assert!(!faces.is_empty(), "{name} level {level}");
+            let used: std::collections::BTreeSet<usize> = text
+                .lines()
+                .filter_map(|l| l.strip_prefix("f "))
+                .flat_map(|l| {
+                    l.split_whitespace()
+                        .map(|w| w.split('/').next().unwrap().parse::<usize>().unwrap() - 1)
+                        .collect::<Vec<_>>()
+                })
+                .collect();
+            let all = numbers(&text, "v ");
+            let want: Vec<[f64; 3]> = used
+                .iter()
+                .map(|&v| [all[v][0], all[v][1], all[v][2]])
+                .collect();
+            let got: Vec<[f64; 3]> = surface
+                .refine_quads(level - split)
+                .flat_map(|q| q.points)
+                .map(|p| p.map(f64::from))
+                .collect();
+            let off = points::set_distance(&got, &want, 1e-3 * size) / size;
+            assert!(
+                off <= 2e-6,
+                "{name} level {level}: control points {off:e} of the bounding box away"
+            );
+            worst_point = worst_point.max(off);
+            levels += 1;
+        }
+        let (Some(text), Some(level)) = (expected("limit2.txt"), expected("L2.obj")) else {
+            continue;
+        };
+        assert!(level.contains("v "));
+        let diced: Vec<_> = (0..surface.quads().face_count() as u32)
+            .map(|q| surface.dice(q, 2 - split))
+            .collect();
+        let got: Vec<[f64; 3]> = diced
+            .iter()
+            .flat_map(|q| &q.points)
+            .map(|p| p.map(f64::from))
+            .collect();
+        let got_normals: Vec<[f32; 3]> = diced.iter().flat_map(|q| q.normals.clone()).collect();
+        let set = points::PointSet::new(&got);
+        for line in text.lines().filter(|l| !l.starts_with('#')) {
+            let n: Vec<f64> = line
+                .split_whitespace()
+                .map(|w| w.parse().unwrap())
+                .collect();
+            let [x, y, z, a, b, c, flags] = n[..] else {
+                panic!("{name}: {line}")
+            };
+            if flags as u32 & (1 | 2 | 16 | 32) != 0 {
+                continue;
+            }
+            let near = set.near(&[x, y, z], 1e-5 * size);
+            assert!(
+                !near.is_empty(),
+                "{name}: no limit point within 1e-5 of {line}"
+            );
+            worst_limit = worst_limit.max(set.nearest(&[x, y, z], 1e-5 * size) / size);
+            limits += 1;
+            if flags == 0.0 {
+                let angle = near
+                    .iter()
+                    .map(|&k| oracle::angle(got_normals[k], [a, b, c]))
+                    .fold(f64::MAX, f64::min);
+                assert!(
+                    angle <= 0.01,
+                    "{name}: normal {angle} degrees away at {line}"
+                );
+                worst_normal = worst_normal.max(angle);
+                normals += 1;
+            }
+        }
+    }
+    println!(
+        "expected: {levels} of {levels} levels (worst {worst_point:.1e}), {limits} of {limits} limit points (worst {worst_limit:.1e}), \
+         {normals} of {normals} normals (worst {worst_normal:.4} degrees)"
+    );
+    assert!(levels > 60 && limits > 3000 && normals > 3000);
 }

@@ -8,7 +8,7 @@
 
 use super::basis::{Basis, Target};
 use super::point::P4;
-use super::regular::unit_cross;
+use super::regular::{columns, lanes, unit_cross};
 use super::window::{Window, edge_point, face_point, vertex_point};
 use crate::dispatch;
 use crate::simd::Level;
@@ -44,6 +44,8 @@ pub(crate) struct Samples {
     pub(crate) at: i64,
     pub(crate) step: i64,
     pub(crate) simd: Level,
+    /// Whether normals are wanted too.
+    pub(crate) normals: bool,
 }
 
 /// A strip of three by four control points along an edge; `l` lies to the left of the direction of travel.
@@ -73,54 +75,61 @@ impl Strip {
 
     #[inline(always)]
     fn sample_kernel(&self, to: Samples, out: &mut EdgeSamples) {
-        let Samples {
-            target,
-            level,
-            at,
-            step,
-            ..
-        } = to;
-        let basis = Basis::get(target, level);
-        let limit = Basis::get(Target::Limit, 0).across;
+        let basis = Basis::get(to.target, to.level);
         let [side, centre] = basis.across;
         let row: [P4; 4] =
             std::array::from_fn(|i| (self.l[i] + self.r[i]) * side + self.c[i] * centre);
+        let count = (1_usize << to.level) + 1;
+        let mut i = 0;
+        while i < count {
+            let w = columns(&basis.point, i);
+            let point = [lanes(&w, &row, 0), lanes(&w, &row, 1), lanes(&w, &row, 2)];
+            to.put(&point, &mut out.points, i, count);
+            i += LANES;
+        }
+        if to.normals {
+            self.normals_kernel(to, basis, out);
+        }
+    }
+
+    #[inline(always)]
+    fn normals_kernel(&self, to: Samples, basis: &Basis, out: &mut EdgeSamples) {
+        let [side, centre] = Basis::get(Target::Limit, 0).across;
         let along: [P4; 4] =
-            std::array::from_fn(|i| (self.l[i] + self.r[i]) * limit[0] + self.c[i] * limit[1]);
+            std::array::from_fn(|i| (self.l[i] + self.r[i]) * side + self.c[i] * centre);
         let across: [P4; 4] = std::array::from_fn(|i| self.l[i] - self.r[i]);
         let spare = (self.c[2] - self.c[1])
             .cross(across[1] + across[2])
             .unit()
             .map_or([0.0, 0.0, 1.0], P4::xyz);
-        let count = (1_usize << level) + 1;
-        let blend = |w: &[Vec<f32>; 4], q: &[P4; 4], i: usize, c: usize| {
-            let mut lanes = [0.0_f32; LANES];
-            let [w0, w1, w2, w3] = [
-                &w[0][i..i + LANES],
-                &w[1][i..i + LANES],
-                &w[2][i..i + LANES],
-                &w[3][i..i + LANES],
-            ];
-            for k in 0..LANES {
-                lanes[k] = (w0[k] * q[0].0[c] + w3[k] * q[3].0[c])
-                    + (w1[k] * q[1].0[c] + w2[k] * q[2].0[c]);
-            }
-            lanes
-        };
+        let count = (1_usize << to.level) + 1;
         let mut i = 0;
         while i < count {
-            let point: [[f32; LANES]; 3] = std::array::from_fn(|c| blend(&basis.point, &row, i, c));
-            let du: [[f32; LANES]; 3] = std::array::from_fn(|c| blend(&basis.slope, &along, i, c));
-            let dv: [[f32; LANES]; 3] = std::array::from_fn(|c| blend(&basis.limit, &across, i, c));
-            let normal = unit_cross(&du, &dv, spare);
-            for k in 0..LANES.min(count - i) {
-                let place = (at + (i + k) as i64 * step) as usize;
-                for c in 0..3 {
-                    out.points[c][place] = point[c][k];
-                    out.normals[c][place] = normal[c][k];
-                }
-            }
+            let (w, s) = (columns(&basis.limit, i), columns(&basis.slope, i));
+            let du = [
+                lanes(&s, &along, 0),
+                lanes(&s, &along, 1),
+                lanes(&s, &along, 2),
+            ];
+            let dv = [
+                lanes(&w, &across, 0),
+                lanes(&w, &across, 1),
+                lanes(&w, &across, 2),
+            ];
+            to.put(&unit_cross(&du, &dv, spare), &mut out.normals, i, count);
             i += LANES;
+        }
+    }
+}
+
+impl Samples {
+    /// Stores one vector of samples, `i` being the first.
+    #[inline(always)]
+    fn put(&self, values: &[[f32; LANES]; 3], out: &mut [Vec<f32>; 3], i: usize, count: usize) {
+        for (values, out) in values.iter().zip(out) {
+            for k in 0..LANES.min(count - i) {
+                out[(self.at + (i + k) as i64 * self.step) as usize] = values[k];
+            }
         }
     }
 }

@@ -37,6 +37,18 @@ pub enum DiceFault {
     OwnDirection,
 }
 
+/// What of the four sides is evaluated by the edges' own rule.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Sides {
+    /// Nothing: enough for hulls, and for channels that are not drawn.
+    #[default]
+    None,
+    /// Points.
+    Points,
+    /// Points and normals.
+    Normals,
+}
+
 /// A quad prepared for dicing at one level, with buffers that are used again for the next quad.
 #[derive(Clone, Debug)]
 pub struct FacePatch {
@@ -47,7 +59,7 @@ pub struct FacePatch {
     corners: [([f32; 3], [f32; 3]); 4],
     windows: [Window; 4],
     rings: Vec<Window>,
-    with_sides: bool,
+    wanted: Sides,
     pub(crate) fault: DiceFault,
     /// Vector instructions; never changes a bit.
     pub(crate) simd: Level,
@@ -63,7 +75,7 @@ impl Default for FacePatch {
             corners: Default::default(),
             windows: [const { Window::EMPTY }; 4],
             rings: Vec::new(),
-            with_sides: false,
+            wanted: Sides::None,
             fault: DiceFault::None,
             simd: Level::SCALAR,
         }
@@ -80,12 +92,12 @@ impl FacePatch {
         q: u32,
         target: Target,
         level: u32,
-        sides: bool,
+        sides: Sides,
     ) {
         let t = channel.topology;
         self.level = level;
         self.target = target;
-        self.with_sides = sides;
+        self.wanted = sides;
         self.pieces.clear();
         let fans: [u32; 4] = std::array::from_fn(|c| t.fan(4 * q + c as u32));
         for c in 0..4 {
@@ -97,7 +109,7 @@ impl FacePatch {
             return;
         }
         let n = 1_usize << level;
-        if sides {
+        if sides > Sides::None {
             self.sides.iter_mut().for_each(|s| s.resize(n));
         }
         let regular: [bool; 4] = std::array::from_fn(|c| t.fans()[fans[c] as usize].is_regular());
@@ -109,7 +121,7 @@ impl FacePatch {
                 size: n as u32,
                 level,
             });
-            if sides {
+            if sides > Sides::None {
                 for c in 0..4 {
                     let strip = side_strip(&net, c);
                     self.whole_side(t, channel.points, q, c, &strip);
@@ -136,6 +148,7 @@ impl FacePatch {
             at: 0,
             step: 1,
             simd: self.simd,
+            normals: self.wanted == Sides::Normals,
         };
         let out = &mut self.sides[c];
         if forward {
@@ -207,7 +220,7 @@ impl FacePatch {
             let reach = if regular[c] { 3 } else { level as usize + 1 };
             self.windows[c].gather(t, channel.points, 4 * q + c as u32, reach);
         }
-        if self.with_sides {
+        if self.wanted > Sides::None {
             for c in 0..4 {
                 let d = (c + 1) % 4;
                 if regular[c] && regular[d] {
@@ -280,11 +293,11 @@ impl FacePatch {
             if !regular[c] {
                 self.refine_corner(c, &net, series[c], level);
             }
-            if self.with_sides {
+            if self.wanted > Sides::None {
                 self.half_sides(t, q, c, regular);
             }
         }
-        if self.with_sides {
+        if self.wanted > Sides::None {
             for c in 0..4 {
                 if !(regular[c] && regular[(c + 1) % 4]) && t.twin(4 * q + c as u32) == NONE {
                     self.boundary_side(t, channel.points, q, c);
@@ -345,6 +358,7 @@ impl FacePatch {
                 at,
                 step,
                 simd: self.simd,
+                normals: self.wanted == Sides::Normals,
             };
             // The middle belongs to the half at the lower vertex.
             let middle = (n / 2) as usize;
@@ -408,7 +422,7 @@ impl FacePatch {
             )
         );
         let n = 1_u32 << self.level;
-        if self.with_sides && self.level > 0 {
+        if self.wanted > Sides::None && self.level > 0 {
             self.dice_sides(start, segments, points, normals.as_deref_mut());
         }
         for (c, (col, row)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {

@@ -30,7 +30,7 @@ fn blend(w: [f32; 4], p: [P4; 4]) -> P4 {
 
 /// Four weight rows at 16 neighbouring columns.
 #[inline(always)]
-fn columns(w: &[Vec<f32>; 4], at: usize) -> [[f32; LANES]; 4] {
+pub(crate) fn columns(w: &[Vec<f32>; 4], at: usize) -> [[f32; LANES]; 4] {
     std::array::from_fn(|k| {
         let mut out = [0.0; LANES];
         out.copy_from_slice(&w[k][at..at + LANES]);
@@ -39,7 +39,7 @@ fn columns(w: &[Vec<f32>; 4], at: usize) -> [[f32; LANES]; 4] {
 }
 
 #[inline(always)]
-fn lanes(w: &[[f32; LANES]; 4], q: &[P4; 4], c: usize) -> [f32; LANES] {
+pub(crate) fn lanes(w: &[[f32; LANES]; 4], q: &[P4; 4], c: usize) -> [f32; LANES] {
     let mut out = [0.0; LANES];
     for i in 0..LANES {
         out[i] = (w[0][i] * q[0].0[c] + w[3][i] * q[3].0[c])

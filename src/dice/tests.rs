@@ -1,6 +1,6 @@
 //! The dicing code against plain refinement in f64, on small meshes with every kind of corner.
 
-use super::face::{Channel, FacePatch};
+use super::face::{Channel, FacePatch, Sides};
 use super::fan_points::{FanPoints, TangentMasks};
 use super::*;
 use crate::records::Grid3;
@@ -226,7 +226,7 @@ fn diced(mesh: &Mesh, target: Target, level: u32) -> Vec<Vec<([f32; 3], [f32; 3]
     let side = (1_usize << level) + 1;
     (0..t.face_count() as u32)
         .map(|q| {
-            patch.prepare(channel, q, target, level, true);
+            patch.prepare(channel, q, target, level, Sides::Normals);
             let mut out = vec![([f32::NAN; 3], [f32::NAN; 3]); side * side];
             let size = FacePatch::block_size(level);
             let m = size.cols - 1;

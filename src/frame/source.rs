@@ -5,6 +5,7 @@
 
 use super::scene::{Object, Scene};
 use crate::dice::FacePatch;
+use crate::dice::face::Sides;
 use crate::dice::fan_points::FanPoints;
 use crate::mesh::NONE;
 use crate::records::{BlockSize, Grid3};
@@ -38,7 +39,7 @@ pub(super) struct Source<'a> {
 #[derive(Default)]
 pub(super) struct SourceScratch {
     patch: QuadPatch,
-    prepared: Option<(u32, bool)>,
+    prepared: Option<(u32, Sides)>,
 }
 
 impl SourceScratch {
@@ -54,6 +55,8 @@ pub(super) struct Attributes {
     pub(super) normals: Box<Grid3>,
     pub(super) uvs: Box<Grid3>,
     pub(super) colors: Box<Grid3>,
+    /// Whether anything of the frame reads texture coordinates.
+    pub(super) wants_uvs: bool,
     pub(super) has_uvs: bool,
     pub(super) has_colors: bool,
 }
@@ -64,6 +67,7 @@ impl Default for Attributes {
             normals: Grid3::boxed(),
             uvs: Grid3::boxed(),
             colors: Grid3::boxed(),
+            wants_uvs: false,
             has_uvs: false,
             has_colors: false,
         }
@@ -170,11 +174,11 @@ impl<'a> Source<'a> {
             .sum()
     }
 
-    fn prepare(&self, scratch: &mut SourceScratch, item: u32, sides: bool) {
+    fn prepare(&self, scratch: &mut SourceScratch, item: u32, sides: Sides) {
         let key = (self.first_item + item, sides);
         let ready = scratch
             .prepared
-            .is_some_and(|(i, s)| i == key.0 && (s || !sides));
+            .is_some_and(|(i, s)| i == key.0 && s >= sides);
         if !ready {
             scratch.patch.prepare_points(
                 &self.object.surface,
@@ -201,7 +205,7 @@ impl<'a> Source<'a> {
         } else if self.is_polygonal() {
             out.extend(self.polygon(item).map(|h| self.corner_point(h)));
         } else {
-            self.prepare(scratch, item, false);
+            self.prepare(scratch, item, Sides::None);
             scratch.patch.hull(|p| out.push(p));
         }
     }
@@ -221,7 +225,7 @@ impl<'a> Source<'a> {
                     .map(|(v, _)| self.object.surface.cage().points[v as usize]),
             );
         } else {
-            self.prepare(scratch, item, true);
+            self.prepare(scratch, item, Sides::Points);
             scratch.patch.block_hull(bu, bv, |p| out.push(p));
         }
     }
@@ -241,17 +245,18 @@ impl<'a> Source<'a> {
         if self.is_polygonal() {
             return self.dice_polygon(item, points, attributes);
         }
-        self.prepare(scratch, item, true);
         let Some(a) = attributes else {
+            self.prepare(scratch, item, Sides::Points);
             scratch.patch.dice(bu, bv, points, None);
             return;
         };
+        self.prepare(scratch, item, Sides::Normals);
         let (surface, patch) = (&self.object.surface, &mut scratch.patch);
         patch.dice(bu, bv, points, Some(&mut a.normals));
-        if !patch.has_uvs() {
+        if a.wants_uvs && !patch.has_uvs() {
             patch.prepare_uvs(surface, item);
         }
-        a.has_uvs = patch.has_uvs();
+        a.has_uvs = a.wants_uvs && patch.has_uvs();
         if a.has_uvs {
             patch.dice_uvs(bu, bv, &mut a.uvs);
         }
@@ -288,7 +293,7 @@ impl<'a> Source<'a> {
             points.set(i, j, self.corner_point(h));
         }
         let Some(a) = attributes else { return };
-        a.has_uvs = surface.has_uvs();
+        a.has_uvs = a.wants_uvs && surface.has_uvs();
         a.has_colors = !surface.cage().colors.is_empty();
         for (&h, (i, j)) in corners.iter().zip(CORNERS) {
             a.normals
@@ -330,7 +335,7 @@ impl<'a> Source<'a> {
             points.set(i, j, cage.points[*v as usize]);
         }
         let Some(a) = attributes else { return };
-        a.has_uvs = !cage.corner_uvs.is_empty();
+        a.has_uvs = a.wants_uvs && !cage.corner_uvs.is_empty();
         a.has_colors = !cage.colors.is_empty();
         for ((v, c), (i, j)) in corners.iter().zip(CORNERS) {
             let normal = match cage.corner_normals.get(*c as usize) {

@@ -101,6 +101,7 @@ pub(super) fn draw_tile(
         .tile
         .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);
     scratch.drawn.clear();
+    scratch.attributes.wants_uvs = frame.wants_uvs;
     for &item in items {
         draw_item(frame, item, rect, scratch);
     }
@@ -246,7 +247,6 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
             &frame.view.projection,
             &mut s.projected,
         );
-        s.attributes.has_uvs &= frame.wants_uvs;
         if s.attributes.has_uvs {
             footprints(&s.projected, &s.attributes.uvs, size, &mut s.footprint);
         }

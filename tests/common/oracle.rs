@@ -60,7 +60,7 @@ fn distance(a: [f32; 3], b: [f64; 3]) -> f64 {
         .sqrt()
 }
 
-fn angle(a: [f32; 3], b: [f64; 3]) -> f64 {
+pub fn angle(a: [f32; 3], b: [f64; 3]) -> f64 {
     let a = a.map(f64::from);
     let cross = [
         a[1] * b[2] - a[2] * b[1],
@@ -115,7 +115,14 @@ pub fn compare(surface: &Surface, level: u32) -> Worst {
         .map(|p| p.map(f64::from))
         .collect();
     let base = Level::<f64>::new(surface.topology().clone(), points).unwrap();
-    let fine = refine(base, &Options::default(), level, None, &mut Default::default()).unwrap();
+    let fine = refine(
+        base,
+        &Options::default(),
+        level,
+        None,
+        &mut Default::default(),
+    )
+    .unwrap();
     let want = limit(&fine, &Options::default());
     let t = &fine.topology;
     let quad_level = level - u32::from(surface.is_split());
