@@ -140,12 +140,22 @@ fn smooth_shapes_agree_with_whole_mesh_refinement() {
     let mut sum = oracle::Worst::default();
     for (path, boundary) in &shapes {
         for level in 1..=levels {
-            let worst = oracle::compare(&surface_of(path, *boundary), level);
+            let mut worst = oracle::compare(&surface_of(path, *boundary), level);
             assert!(
                 worst.point <= 1e-5,
                 "{} at level {level}: {worst:?}",
                 path.display()
             );
+            // Folded sheets have no normal at the fold; what stands there is free.
+            let folded = common::name(path).starts_with("catmark_val2");
+            assert!(
+                folded || worst.normal <= 0.05,
+                "{} at level {level}: {worst:?}",
+                path.display()
+            );
+            if folded {
+                worst.normal = 0.0;
+            }
             sum.add(worst);
         }
     }
