@@ -178,12 +178,14 @@ fn frame(
     }
     renderer.measure = true;
     for _ in 0..a.repeat {
-        let (_, updated, finished) = once(&renderer)?;
+        let (total, updated, finished) = once(&renderer)?;
         let mut stages = Stages::default();
         if animated {
             stages.add("update", updated);
         }
-        stages.0.extend(frame_stages(&finished.stats).0);
+        stages
+            .0
+            .extend(frame_stages(&finished.stats, total.cpu - updated.cpu).0);
         for (name, time) in stages.0 {
             push(&mut rows, name, time, &items);
         }

@@ -1,12 +1,14 @@
 //! The flags that verbs share, and how their values are read. Every value is checked here, before any work is done.
 
 use clap::{Args, ValueEnum};
-use earmark::Camera;
 use earmark::frame::{Drawing, Refinement, Renderer};
 use earmark::mesh::obj::UpAxis as FileUp;
+use earmark::raster::MAX_SCREEN;
 use earmark::scheme;
 use earmark::shade::ShadeMode;
 use earmark::surface::SurfaceOptions;
+use earmark::topology::{ConnectOptions, Topology, TopologyWarning, connect};
+use earmark::{Cage, Camera};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -103,6 +105,27 @@ impl ModelFlags {
             }),
         }
     }
+    /// The flag, else the file, else the default.
+    pub(crate) fn boundary(&self, cage: &Cage) -> scheme::Boundary {
+        let flag = self.surface().boundary;
+        flag.or(cage.tags().boundary).unwrap_or_default()
+    }
+    pub(crate) fn face_varying(&self, cage: &Cage) -> scheme::FaceVaryingRule {
+        let flag = self.surface().face_varying;
+        flag.or(cage.tags().face_varying).unwrap_or_default()
+    }
+    /// Connects a cage with all of its tags.
+    pub(crate) fn connect(&self, cage: &Cage) -> (Topology, Vec<TopologyWarning>) {
+        let tags = cage.tags();
+        let options = ConnectOptions {
+            boundary: self.boundary(cage),
+            creases: &tags.creases,
+            corners: &tags.corners,
+            holes: &tags.holes,
+        };
+        let corners = cage.corner_vertices().to_vec();
+        connect(cage.points().len(), cage.face_offsets(), corners, &options)
+    }
     pub(crate) fn file_up(&self) -> FileUp {
         match self.up_axis {
             UpAxis::Y => FileUp::Y,
@@ -174,7 +197,7 @@ pub(crate) enum Shade {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Picture")]
 pub(crate) struct PictureFlags {
-    /// Size in pixels, each side 1 to 65535
+    /// Size in pixels, each side 1 to 16383
     #[arg(short, long, value_name = "WxH", default_value = "1024x1024", value_parser = size, allow_hyphen_values = true)]
     pub(crate) size: [u32; 2],
     /// Angle around the model in degrees; 0 looks from the front, 90 from the right
@@ -353,12 +376,12 @@ fn vector(s: &str) -> Result<[f64; 3], String> {
 }
 
 fn size(s: &str) -> Result<[u32; 2], String> {
-    let wrong = "not two numbers from 1 to 65535 with an x between them";
+    let wrong = "not two numbers from 1 to 16383 with an x between them";
     let (w, h) = s.split_once(['x', 'X']).ok_or(wrong)?;
     let side = |s: &str| {
         let digits = !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
         match s.parse::<u32>() {
-            Ok(n) if digits && (1..=65_535).contains(&n) => Ok(n),
+            Ok(n) if digits && (1..=MAX_SCREEN).contains(&n) => Ok(n),
             _ => Err(wrong),
         }
     };
@@ -424,7 +447,7 @@ mod tests {
     fn values_are_read_or_refused() {
         assert_eq!(size("640x480"), Ok([640, 480]));
         for s in [
-            "", "640", "0x1", "1x0", "65536x1", "-1x5", "+1x5", "1x1x1", "1.5x2", "x",
+            "", "640", "0x1", "1x0", "16384x1", "-1x5", "+1x5", "1x1x1", "1.5x2", "x",
         ] {
             assert!(size(s).is_err(), "{s}");
         }

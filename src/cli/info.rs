@@ -10,7 +10,7 @@ use clap::Args;
 use earmark::mesh::obj::{Report, escape};
 use earmark::mesh::{Cage, NONE};
 use earmark::scheme::{Boundary, CreaseMethod, FaceVaryingRule, INFINITE_SHARPNESS, TriangleRule};
-use earmark::topology::{ConnectOptions, FanRule, Topology, connect};
+use earmark::topology::{FanRule, Topology};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -60,22 +60,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let read = job.read_cage(path, &a.model)?;
     job.limits().check()?;
     let cage = &read.cage;
-    let (topology, topology_warnings) = job.time("connect", |_| {
-        let tags = cage.tags();
-        let options = ConnectOptions {
-            boundary: a
-                .model
-                .surface()
-                .boundary
-                .or(tags.boundary)
-                .unwrap_or_default(),
-            creases: &tags.creases,
-            corners: &tags.corners,
-            holes: &tags.holes,
-        };
-        let corners = cage.corner_vertices().to_vec();
-        connect(cage.points().len(), cage.face_offsets(), corners, &options)
-    });
+    let (topology, topology_warnings) = job.time("connect", |_| a.model.connect(cage));
     let mut warnings: Vec<String> = read.warnings.iter().map(ToString::to_string).collect();
     let name = escape(path.as_os_str().as_encoded_bytes(), 1024);
     warnings.extend(topology_warnings.iter().map(|w| format!("{name}: {w}")));

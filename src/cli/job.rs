@@ -130,6 +130,7 @@ impl Job {
                 cage.face_count(),
                 cage.points().len()
             ));
+            warn_of_tags(&name, &cage);
             if let Some(left) = self.memory_left() {
                 loader.options_mut().max_surface = left;
             }
@@ -212,6 +213,16 @@ impl Job {
     }
 }
 
+/// Says which tags pictures do not show yet.
+fn warn_of_tags(name: &str, cage: &Cage) {
+    let tags = cage.tags();
+    if !tags.creases.is_empty() || !tags.corners.is_empty() {
+        warning(&format!(
+            "{name}: creases and corners are drawn smooth for now; `earmark refine` knows them"
+        ));
+    }
+}
+
 /// The models of a report: one name, or a list.
 pub(crate) fn model_names(models: &[PathBuf]) -> Json {
     let mut names: Vec<Json> = models
@@ -272,22 +283,34 @@ impl Output {
         Ok(Self::File(path.to_owned()))
     }
 
+    /// [`Output::stage`] for outputs that are not held in memory as a whole.
+    pub(crate) fn stage_with(
+        &self,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<Staged, Failure> {
+        let failure = |name: &str, e: &io::Error| {
+            Failure::new(Code::Io, format!("{name}: {}", error_text(e)))
+        };
+        match self {
+            Self::Stdout => {
+                let mut out = io::BufWriter::new(io::stdout().lock());
+                write(&mut out)
+                    .and_then(|()| out.flush())
+                    .map_err(|e| failure("standard output", &e))?;
+                Ok(Staged(None))
+            }
+            Self::File(path) => {
+                let mut file = AtomicFile::create(path)?;
+                write(&mut file).map_err(|e| failure(&path.display().to_string(), &e))?;
+                file.sync()?;
+                Ok(Staged(Some(file)))
+            }
+        }
+    }
+
     /// Puts the bytes where only [`Staged::commit`] is left to do; on standard output they are gone.
     pub(crate) fn stage(&self, bytes: &[u8]) -> Result<Staged, Failure> {
-        let path = match self {
-            Self::Stdout => {
-                print(bytes)?;
-                return Ok(Staged(None));
-            }
-            Self::File(path) => path,
-        };
-        let mut file = AtomicFile::create(path)?;
-        file.write_all(bytes).map_err(|e| {
-            let message = format!("{}: {}", path.display(), e.kind());
-            Failure::new(Code::Io, message)
-        })?;
-        file.sync()?;
-        Ok(Staged(Some(file)))
+        self.stage_with(|out| out.write_all(bytes))
     }
 }
 
@@ -312,12 +335,14 @@ pub(crate) fn commit_all(outputs: Vec<Staged>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Bytes to standard output.
-pub(crate) fn print(bytes: &[u8]) -> Result<(), Failure> {
-    let mut out = io::stdout().lock();
-    out.write_all(bytes)
-        .and_then(|()| out.flush())
-        .map_err(|e| Failure::new(Code::Io, format!("standard output: {}", e.kind())))
+/// A system error without numbers.
+fn error_text(e: &io::Error) -> String {
+    match e.kind() {
+        io::ErrorKind::StorageFull => "no space left".to_owned(),
+        io::ErrorKind::BrokenPipe => "nobody reads it".to_owned(),
+        io::ErrorKind::FileTooLarge => "the system allows no file of this size".to_owned(),
+        kind => kind.to_string(),
+    }
 }
 
 /// Text to standard output. A reader that has seen enough, as `head`, is no failure.
@@ -326,7 +351,7 @@ pub(crate) fn print_text(text: &str) -> Result<(), Failure> {
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::new(
             Code::Io,
-            format!("standard output: {}", e.kind()),
+            format!("standard output: {}", error_text(&e)),
         )),
         _ => Ok(()),
     }

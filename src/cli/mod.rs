@@ -6,6 +6,7 @@ mod flags;
 mod info;
 mod job;
 mod messages;
+mod refine;
 mod render;
 mod stats;
 mod watch;
@@ -38,6 +39,8 @@ struct Cli {
 enum Verb {
     /// Draw models into a PNG picture
     Render(render::Arguments),
+    /// Write the refined mesh as OBJ or PLY
+    Refine(refine::Arguments),
     /// Say what is in a model, and what was defaulted
     Info(info::Arguments),
     /// Measure on this machine, in process and without output files
@@ -48,6 +51,7 @@ impl Verb {
     fn running(&self) -> &RunningFlags {
         match self {
             Self::Render(a) => &a.running,
+            Self::Refine(a) => &a.running,
             Self::Info(a) => &a.running,
             Self::Bench(a) => &a.running,
         }
@@ -55,6 +59,7 @@ impl Verb {
     fn run(&self, job: &mut Job) -> Result<(), Failure> {
         match self {
             Self::Render(a) => render::run(job, a),
+            Self::Refine(a) => refine::run(job, a),
             Self::Info(a) => info::run(job, a),
             Self::Bench(a) => bench::run(job, a),
         }

@@ -4,7 +4,7 @@ use super::exit::Failure;
 use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
 use super::job::{Job, Output, commit_all, model_names};
 use super::messages::{note, warning};
-use super::stats::{Json, frame_stages};
+use super::stats::{Clock, Json, frame_stages};
 use super::watch::{self, Phase};
 use clap::Args;
 use earmark::camera::Sphere;
@@ -138,12 +138,18 @@ fn apply_color_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Fail
     Ok(())
 }
 
-/// Draws the models of the arguments, with all warnings said.
-fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
+/// The models of the arguments, coloured.
+fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
     let mut scene = job.load(&a.models, &a.model)?;
     if let Some(path) = &a.picture.color_map {
         job.time("read", |job| apply_color_map(job, &mut scene, path))?;
     }
+    Ok(scene)
+}
+
+/// Draws the models of the arguments, with all warnings said.
+fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
+    let scene = scene(job, a)?;
     let has_uvs = scene.objects.iter().any(|o| o.surface.has_uvs());
     if !has_uvs && (a.picture.color_map.is_some() || a.picture.shade == Shade::Uv) {
         warning("no model has texture coordinates");
@@ -159,7 +165,10 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
     if let Some(first) = scene.objects.first() {
         camera = camera.relative_to(first.surface.cage().origin());
     }
+    let clock = Clock::now();
     let frame = renderer.render(&scene, &camera)?;
+    let stages = frame_stages(&frame.stats, clock.elapsed().cpu);
+    job.stages.0.extend(stages.0);
     if frame.view.up_replaced {
         warning("--up is parallel to the direction of view; another direction points up");
     }
@@ -177,8 +186,6 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     // The picture itself, its tiles before they are put together, and the file at its largest.
     check_picture(&a.picture, &job.limits(), 13)?;
     let frame = draw(job, a)?;
-    job.stages.0.extend(frame_stages(&frame.stats).0);
-
     watch::phase(Phase::Writing);
     job.limits().check()?;
     let mut staged = vec![job.time("write", |_| {

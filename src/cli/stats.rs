@@ -138,25 +138,26 @@ impl Stages {
     }
 }
 
-/// Stages of a frame. Those that run fused, tile by tile, share the wall time of the tiles by their processor time.
-pub(crate) fn frame_stages(stats: &earmark::frame::FrameStats) -> Stages {
+/// Stages of a frame that took `cpu` milliseconds of processor time. Stages that run fused, tile by tile, share the wall time of the
+/// tiles by what their threads spent in them. Processor time is shared by wall time: all stages use all threads, and clocks read within
+/// a stage would count the time in which another process had the processor.
+pub(crate) fn frame_stages(stats: &earmark::frame::FrameStats, cpu: f64) -> Stages {
     use earmark::frame::Stage;
     let ms = |d: std::time::Duration| d.as_secs_f64() * 1e3;
     let fused = [Stage::Dice, Stage::Tile, Stage::Shade, Stage::Film];
     let sum: f64 = fused.iter().map(|&s| ms(stats.times.get(s))).sum();
+    let mut walls = vec![
+        (Stage::Setup, ms(stats.wall[0])),
+        (Stage::Bin, ms(stats.wall[1])),
+    ];
+    walls.extend(fused.map(|stage| {
+        let share = ms(stats.times.get(stage)) / sum.max(1e-9);
+        (stage, ms(stats.wall[2]) * share)
+    }));
+    let total: f64 = walls.iter().map(|(_, wall)| wall).sum();
     let mut stages = Stages::default();
-    for (k, stage) in [Stage::Setup, Stage::Bin].into_iter().enumerate() {
-        let wall = ms(stats.wall[k]);
-        let cpu = ms(stats.times.get(stage));
-        stages.add(stage.name(), Time { wall, cpu });
-    }
-    for stage in fused {
-        let cpu = ms(stats.times.get(stage));
-        let wall = if sum > 0.0 {
-            ms(stats.wall[2]) * cpu / sum
-        } else {
-            0.0
-        };
+    for (stage, wall) in walls {
+        let cpu = cpu * wall / total.max(1e-9);
         stages.add(stage.name(), Time { wall, cpu });
     }
     stages

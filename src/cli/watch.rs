@@ -26,7 +26,6 @@ const PATIENCE: Duration = Duration::from_millis(1000);
 #[derive(Clone, Copy, Debug)]
 #[repr(u8)]
 pub(crate) enum Phase {
-    Starting,
     Reading,
     Rendering,
     Refining,
@@ -34,14 +33,7 @@ pub(crate) enum Phase {
     Measuring,
 }
 
-const PHASES: [&str; 6] = [
-    "starting",
-    "reading",
-    "rendering",
-    "refining",
-    "writing",
-    "measuring",
-];
+const PHASES: [&str; 5] = ["reading", "rendering", "refining", "writing", "measuring"];
 
 static ENDED: AtomicBool = AtomicBool::new(false);
 /// It was the work that ended it.
