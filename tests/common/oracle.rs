@@ -115,7 +115,14 @@ pub fn compare(surface: &Surface, level: u32) -> Worst {
         .map(|p| p.map(f64::from))
         .collect();
     let base = Level::<f64>::new(surface.topology().clone(), points).unwrap();
-    let fine = refine(base, &Options::default(), level, None, &mut Default::default()).unwrap();
+    let fine = refine(
+        base,
+        &Options::default(),
+        level,
+        None,
+        &mut Default::default(),
+    )
+    .unwrap();
     let want = limit(&fine, &Options::default());
     let t = &fine.topology;
     let quad_level = level - u32::from(surface.is_split());
