@@ -221,3 +221,20 @@ fn corners_without_texture_coordinates() {
     );
     assert!(matches!(wrong, Err(RefineError::WrongCount { .. })));
 }
+
+/// In children of quads the vertex stands where it stands in the parent, so u and v keep their directions; else it comes first.
+#[test]
+fn children_keep_their_parameter_directions() {
+    for shape in [cube(), gem(), patch()] {
+        let base = shape.level(Boundary::EdgeAndCorner);
+        let child = step(base.clone(), 1);
+        let t = &base.topology;
+        for h in 0..t.half_count() as u32 {
+            let face = t.face_halves(t.face_of(h));
+            let at = if face.len() == 4 { h - face.start } else { 0 };
+            assert_eq!(child.topology.vertex(4 * h + at), t.vertex(h));
+            let middle = t.vertex_count() as u32 + t.face_of(h);
+            assert_eq!(child.topology.vertex(4 * h + (at + 2) % 4), middle);
+        }
+    }
+}

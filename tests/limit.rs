@@ -207,3 +207,40 @@ fn collapsed_meshes_have_unit_normals() {
         }
     }
 }
+
+/// The children of a Chaikin edge differ, and the far one decides when the midpoint gives way: only its own neighbour tells.
+#[test]
+fn chaikin_looks_beyond_the_edge() {
+    let options = Options {
+        creases: CreaseMethod::Chaikin,
+        ..Options::default()
+    };
+    let mut noise = Noise(31);
+    let mut shape = grid(6, |_, _| 0.0);
+    for p in &mut shape.points {
+        p[2] = noise.number();
+    }
+    let shape = shape
+        .crease(24, 25, 1.8)
+        .crease(24, 23, 2.4)
+        .crease(25, 26, 6.0);
+    let mut level = shape.level(Boundary::EdgeAndCorner);
+    let first = limit(&level, &options).positions[24];
+    for _ in 0..5 {
+        level = refined(level, 1, &options);
+        assert_close(&limit(&level, &options).positions[24], &first, 1e-14);
+    }
+}
+
+/// Two creases at an angle beyond 180 degrees on one side: normals of both sides look the same way.
+#[test]
+fn reflex_corners() {
+    let shape = grid(2, |_, _| 0.0)
+        .crease(4, 5, 10.0)
+        .crease(4, 7, 10.0)
+        .corner(4, 10.0);
+    let level = shape.level(Boundary::EdgeAndCorner);
+    for n in limit(&level, &Options::default()).normals {
+        assert_close(&n, &[0.0, 0.0, 1.0], 1e-12);
+    }
+}

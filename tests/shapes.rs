@@ -278,90 +278,208 @@ fn odd_shapes_stay_finite() {
     });
 }
 
+/// What the reference program makes of the cage in `cage` after two steps, as points and as corners with texture coordinates.
+fn reference(
+    program: &std::ffi::OsStr,
+    cage: &Path,
+    out: &Path,
+    flags: &[&str],
+) -> (Vec<[f64; 3]>, Vec<[f64; 5]>) {
+    let status = std::process::Command::new(program)
+        .arg(cage)
+        .args(flags)
+        .args(["-level", "2", "-digits", "12", "-keepholes", "-o"])
+        .arg(out)
+        .stdout(std::process::Stdio::null())
+        .status()
+        .unwrap();
+    assert!(
+        status.success(),
+        "the reference program failed on {}",
+        cage.display()
+    );
+    let want = Shape::read(&read(out));
+    let corners = (want.corners.iter().zip(&want.corner_uvs))
+        .map(|(&v, &u)| {
+            let (p, uv) = (want.points[v as usize], want.uvs[u as usize]);
+            [p[0], p[1], p[2], uv[0], uv[1]]
+        })
+        .collect();
+    (want.points, corners)
+}
+
+const FVAR_RULES: [&str; 6] = [
+    "none",
+    "corners-only",
+    "corners-plus1",
+    "corners-plus2",
+    "boundaries",
+    "all",
+];
+
+/// Every face-varying rule with the other options in turn, so that every pair occurs.
+fn compare_options(
+    program: &std::ffi::OsStr,
+    shape: &Shape,
+    cage: &Path,
+    turn: &mut usize,
+    case: &Case,
+    tallies: &mut [Tally; 2],
+) {
+    let out = std::env::temp_dir().join(format!(
+        "earmark-options-{}-{}.obj",
+        case.name,
+        std::process::id()
+    ));
+    for fvar in FVAR_RULES {
+        *turn += 1;
+        let mut case = case.clone();
+        case.fvar = support::fvar_rule(fvar);
+        let boundary = ["none", "edge-only", "edge-and-corner"][*turn % 3];
+        case.boundary = support::boundary(boundary);
+        let creases = ["uniform", "chaikin"][*turn / 3 % 2];
+        case.options.creases = support::crease_method(creases);
+        let triangles = ["catmark", "smooth"][*turn / 6 % 2];
+        case.options.triangles = support::triangle_rule(triangles);
+        let what = format!("{} {fvar} {boundary} {creases} {triangles}", case.name);
+        let flags = [
+            "-scheme",
+            &case.scheme,
+            "-fvar",
+            fvar,
+            "-boundary",
+            boundary,
+            "-creases",
+            creases,
+            "-triangles",
+            triangles,
+        ];
+        let (points, corners) = reference(program, cage, &out, &flags);
+        let level = refined(shape, &case, 2);
+        let size = extent(&shape.points).max(1.0);
+        let error = set_distance(&level.points, &points, 1e-2 * size) / size;
+        tallies[0].note(&what, error, POINT_TOLERANCE);
+        let got = corner_set(&level, true);
+        assert_eq!(got.len(), corners.len(), "{what}");
+        let error = set_distance(&got, &corners, 1e-2 * size) / size;
+        tallies[1].note(&what, error, POINT_TOLERANCE);
+    }
+    let _ = std::fs::remove_file(&out);
+}
+
+fn with_program(test: impl FnOnce(&std::ffi::OsStr)) {
+    match std::env::var_os("EARMARK_OSDREF") {
+        Some(program) => test(&program),
+        None => println!("skipped: EARMARK_OSDREF is not set"),
+    }
+}
+
 /// All combinations of options against the reference program itself, which `EARMARK_OSDREF` names.
 #[test]
 fn option_combinations() {
-    let Some(program) = std::env::var_os("EARMARK_OSDREF") else {
-        println!("skipped: EARMARK_OSDREF is not set");
-        return;
-    };
-    with_shared(|shared| {
-        let mut points = Tally::new("options: control points");
-        let mut uvs = Tally::new("options: texture coordinates");
-        let out = std::env::temp_dir().join(format!("earmark-options-{}.obj", std::process::id()));
-        let mut turn = 0;
-        for case in plain(shared) {
-            let shape = shape(shared, &case);
-            if shape.points.len() > 110 || shape.corner_uvs.is_empty() {
-                continue;
+    with_program(|program| {
+        with_shared(|shared| {
+            let mut tallies =
+                ["options: control points", "options: texture coordinates"].map(Tally::new);
+            let mut turn = 0;
+            for case in plain(shared) {
+                let cage = shared.join(format!("opensubdiv/shapes/{}.obj", case.name));
+                let shape = shape(shared, &case);
+                if shape.points.len() <= 110 && !shape.corner_uvs.is_empty() {
+                    compare_options(program, &shape, &cage, &mut turn, &case, &mut tallies);
+                }
             }
-            for fvar in [
-                "none",
-                "corners-only",
-                "corners-plus1",
-                "corners-plus2",
-                "boundaries",
-                "all",
-            ] {
-                // The other options take turns, so that every pair occurs.
-                turn += 1;
-                let mut case = case.clone();
-                case.fvar = support::fvar_rule(fvar);
-                let boundary = ["none", "edge-only", "edge-and-corner"][turn % 3];
-                case.boundary = support::boundary(boundary);
-                let creases = ["uniform", "chaikin"][turn / 3 % 2];
-                case.options.creases = support::crease_method(creases);
-                let triangles = ["catmark", "smooth"][turn / 6 % 2];
-                case.options.triangles = support::triangle_rule(triangles);
-                let what = format!("{} {fvar} {boundary} {creases} {triangles}", case.name);
-                let status = std::process::Command::new(&program)
-                    .arg(shared.join(format!("opensubdiv/shapes/{}.obj", case.name)))
-                    .args([
-                        "-scheme",
-                        &case.scheme,
-                        "-fvar",
-                        fvar,
-                        "-boundary",
-                        boundary,
-                    ])
-                    .args([
-                        "-creases",
-                        creases,
-                        "-triangles",
-                        triangles,
-                        "-level",
-                        "2",
-                        "-digits",
-                        "12",
-                    ])
-                    .args(["-keepholes", "-o"])
-                    .arg(&out)
-                    .stdout(std::process::Stdio::null())
-                    .status()
-                    .unwrap();
-                assert!(status.success(), "{what}: the reference program failed");
-                let want = Shape::read(&read(&out));
-                let level = refined(&shape, &case, 2);
-                let size = extent(&shape.points).max(1.0);
-                let error = set_distance(&level.points, &want.points, 1e-2 * size) / size;
-                points.note(&what, error, POINT_TOLERANCE);
-                let got = corner_set(&level, true);
-                let wanted: Vec<[f64; 5]> = (want.corners.iter().zip(&want.corner_uvs))
-                    .map(|(&v, &u)| {
-                        let (p, uv) = (want.points[v as usize], want.uvs[u as usize]);
-                        [p[0], p[1], p[2], uv[0], uv[1]]
-                    })
-                    .collect();
-                assert_eq!(got.len(), wanted.len(), "{what}");
-                uvs.note(
-                    &what,
-                    set_distance(&got, &wanted, 1e-2 * size) / size,
-                    POINT_TOLERANCE,
-                );
-            }
-        }
-        let _ = std::fs::remove_file(&out);
-        points.finish();
-        uvs.finish();
+            tallies.into_iter().for_each(Tally::finish);
+        });
     });
+}
+
+/// Sheets of quads and triangles with random charts, creases and corners.
+#[test]
+fn random_charts() {
+    with_program(|program| {
+        let mut tallies = ["random: control points", "random: texture coordinates"].map(Tally::new);
+        let mut turn = 0;
+        for seed in 0..60 {
+            let name = format!("sheet{seed}");
+            let text = random_sheet(seed);
+            let cage = std::env::temp_dir()
+                .join(format!("earmark-{name}-{}-cage.obj", std::process::id()));
+            std::fs::write(&cage, &text).unwrap();
+            let case = Case {
+                name,
+                scheme: "catmull-clark".into(),
+                boundary: earmark::scheme::Boundary::EdgeOnly,
+                fvar: earmark::scheme::FaceVaryingRule::All,
+                options: earmark::refine::Options::default(),
+                kind: "plain".into(),
+                levels: vec![2],
+            };
+            compare_options(
+                program,
+                &Shape::read(&text),
+                &cage,
+                &mut turn,
+                &case,
+                &mut tallies,
+            );
+            let _ = std::fs::remove_file(&cage);
+        }
+        tallies.into_iter().for_each(Tally::finish);
+    });
+}
+
+/// An OBJ of 4 by 4 quads, some split into triangles, each face in one of three charts.
+fn random_sheet(seed: u64) -> String {
+    use std::fmt::Write;
+    let mut noise = support::Noise(seed * 7 + 1);
+    let mut pick = |n: u32| ((noise.number() + 0.5) * f64::from(n)) as u32;
+    let mut out = String::new();
+    for v in 0..25 {
+        let p = [v % 5, v / 5, 0].map(|k| f64::from(1000 * k + pick(600)) / 1000.0);
+        let _ = writeln!(out, "v {} {} {}", p[0], p[1], p[2]);
+    }
+    for i in 0..75 {
+        let p = [i % 5, i / 5].map(|k| f64::from(1000 * k + pick(600)) / 1000.0);
+        let _ = writeln!(out, "vt {} {}", p[0], p[1]);
+    }
+    for q in 0..16 {
+        let a = q / 4 * 5 + q % 4;
+        let quad = [a, a + 1, a + 6, a + 5];
+        let faces: Vec<Vec<u32>> = if pick(5) == 0 {
+            vec![
+                vec![quad[0], quad[1], quad[2]],
+                vec![quad[0], quad[2], quad[3]],
+            ]
+        } else {
+            vec![quad.to_vec()]
+        };
+        for face in faces {
+            let chart = 25 * [0, 0, 0, 1, 2][pick(5) as usize];
+            out.push('f');
+            for v in face {
+                let _ = write!(out, " {}/{}", v + 1, chart + v + 1);
+            }
+            out.push('\n');
+        }
+    }
+    let sharpness = ["0.3", "0.8", "1.2", "1.4", "2.5", "10"];
+    for _ in 0..6 {
+        let a = pick(4) + 5 * pick(4);
+        let b = a + [1, 5][pick(2) as usize];
+        let _ = writeln!(
+            out,
+            "t crease 2/1/0 {a} {b} {}",
+            sharpness[pick(6) as usize]
+        );
+    }
+    if pick(2) == 0 {
+        let _ = writeln!(
+            out,
+            "t corner 1/1/0 {} {}",
+            pick(25),
+            sharpness[pick(6) as usize]
+        );
+    }
+    out
 }
