@@ -8,7 +8,7 @@ use super::render::{check_picture, input_paths, stats_output};
 use super::stats::{Clock, Json, Stages, Time, frame_stages};
 use super::watch::{self, Phase};
 use clap::{Args, ValueEnum};
-use earmark::frame::{Drawing, Finished, FrameStats, Renderer};
+use earmark::frame::{Drawing, Finished, FrameStats};
 use earmark::limits::Limits;
 use earmark::records::Grid3;
 use earmark::stream::BlockStream;
@@ -144,12 +144,10 @@ fn frame(
     drawing: Drawing,
     animated: bool,
 ) -> Result<Outcome, Failure> {
-    let mut renderer = Renderer {
-        simd: job.simd,
-        drawing,
-        limits: job.limits(),
-        ..a.picture.renderer(&a.level)
-    };
+    let mut renderer = a.picture.renderer(&a.level);
+    renderer.simd = job.simd;
+    renderer.drawing = drawing;
+    renderer.limits = job.limits();
     let mut camera = a.picture.camera();
     if let Some(first) = scene.objects.first() {
         camera = camera.relative_to(first.surface.cage().origin());

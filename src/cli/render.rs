@@ -155,12 +155,10 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
         warning("no model has texture coordinates");
     }
     watch::phase(Phase::Rendering);
-    let renderer = Renderer {
-        simd: job.simd,
-        measure: job.running.stats.is_some() || super::messages::is_verbose(),
-        limits: job.limits(),
-        ..a.picture.renderer(&a.level)
-    };
+    let mut renderer = a.picture.renderer(&a.level);
+    renderer.simd = job.simd;
+    renderer.measure = job.running.stats.is_some() || super::messages::is_verbose();
+    renderer.limits = job.limits();
     let mut camera = a.picture.camera();
     if let Some(first) = scene.objects.first() {
         camera = camera.relative_to(first.surface.cage().origin());

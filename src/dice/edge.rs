@@ -9,7 +9,7 @@
 use super::basis::{Basis, Target};
 use super::point::P4;
 use super::regular::{columns, lanes, unit_cross};
-use super::window::{Window, edge_point, face_point, vertex_point};
+use super::window::{Near, edge_point, face_point, vertex_point};
 use crate::dispatch;
 use crate::simd::Level;
 
@@ -154,7 +154,7 @@ pub(crate) fn sample_boundary(
 }
 
 /// The three points of a ring that stand across its edge `s`: left, centre and right, with phantoms beyond a boundary.
-fn row(window: &Window, s: i32, left: P4, centre: P4, right: P4) -> [P4; 3] {
+fn row(window: &Near, s: i32, left: P4, centre: P4, right: P4) -> [P4; 3] {
     match (window.has(s), window.has(s - 1)) {
         (true, true) => [left, centre, right],
         (true, false) => [left, centre, P4::beyond(centre, left)],
@@ -163,19 +163,19 @@ fn row(window: &Window, s: i32, left: P4, centre: P4, right: P4) -> [P4; 3] {
 }
 
 /// Row through the vertex, across ring edge `s`.
-fn row_at(w: &Window, s: i32) -> [P4; 3] {
+fn row_at(w: &Near, s: i32) -> [P4; 3] {
     let side = |present: bool, i: i32| if present { w.e(i) } else { P4::ZERO };
     row(w, s, side(w.has(s), s + 1), w.v, side(w.has(s - 1), s - 1))
 }
 
 /// Row through the far end of ring edge `s`.
-fn row_ahead(w: &Window, s: i32) -> [P4; 3] {
+fn row_ahead(w: &Near, s: i32) -> [P4; 3] {
     let side = |i: i32| if w.has(i) { w.f(i) } else { P4::ZERO };
     row(w, s, side(s), w.e(s), side(s - 1))
 }
 
 /// Row behind the vertex, opposite ring edge `s`, of a regular fan.
-fn row_behind(w: &Window, s: i32) -> [P4; 3] {
+fn row_behind(w: &Near, s: i32) -> [P4; 3] {
     if w.has(s + 1) {
         // Two sectors on the left side: the edge straight on is s + 2.
         let right = if w.has(s - 2) && w.has(s - 1) {
@@ -194,7 +194,7 @@ fn row_behind(w: &Window, s: i32) -> [P4; 3] {
 }
 
 /// Strip of an edge with two regular ends, from the end `a` (ring edge `sa`) to the end `b` (ring edge `sb`).
-pub(crate) fn whole_strip(a: &Window, sa: i32, b: &Window, sb: i32) -> Strip {
+pub(crate) fn whole_strip(a: &Near, sa: i32, b: &Near, sb: i32) -> Strip {
     let (behind, first) = (row_behind(a, sa), row_at(a, sa));
     let (second, ahead) = (row_at(b, sb), row_behind(b, sb));
     // Seen from b, left and right are exchanged.
@@ -215,7 +215,7 @@ fn strip(rows: [[P4; 3]; 4]) -> Strip {
 }
 
 /// Row through the far end `b` of ring edge `s` at depth 1, as the half at the other end sees it.
-fn far_row(a: &Window, s: i32, b: &Window, sb: i32) -> [P4; 3] {
+fn far_row(a: &Near, s: i32, b: &Near, sb: i32) -> [P4; 3] {
     let far = row_at(b, sb);
     debug_assert!(a.has(s) == b.has(sb - 1) && a.has(s - 1) == b.has(sb));
     [far[2], far[1], far[0]]
@@ -223,9 +223,9 @@ fn far_row(a: &Window, s: i32, b: &Window, sb: i32) -> [P4; 3] {
 
 /// Half at a regular end `a`, whose other end `b` is irregular; both windows at depth 1.
 pub(crate) fn regular_half(
-    a: &Window,
+    a: &Near,
     s: i32,
-    b: &Window,
+    b: &Near,
     sb: i32,
     half: Samples,
     out: &mut EdgeSamples,
@@ -248,9 +248,9 @@ pub(crate) fn regular_half(
 /// Half at an irregular end: `rings[d]` is its window at depth `d + 1`, `b` the other end's window at depth 1.
 /// Level and places in `half` are those of the whole edge and of its end at the vertex.
 pub(crate) fn irregular_half(
-    rings: &[Window],
+    rings: &[Near],
     s: i32,
-    b: &Window,
+    b: &Near,
     sb: i32,
     half: Samples,
     out: &mut EdgeSamples,

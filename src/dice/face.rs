@@ -11,8 +11,8 @@ use super::edge::{
 };
 use super::fan_points::FanPoints;
 use super::point::P4;
-use super::regular::{Piece, dice_pieces};
-use super::window::{Window, edge_point, face_point, vertex_point};
+use super::regular::{BlockRange, Piece, dice_pieces};
+use super::window::{Near, Window, edge_point, face_point, vertex_point};
 use crate::dispatch;
 use crate::records::{BLOCK_POINTS, BlockSize, Grid3};
 use crate::simd::Level;
@@ -40,8 +40,10 @@ pub enum DiceFault {
 /// What of the four sides is evaluated by the edges' own rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Sides {
-    /// Nothing: enough for hulls, and for channels that are not drawn.
+    /// Nothing is diced at all: only [`FacePatch::hull`] is asked for.
     #[default]
+    Hull,
+    /// Nothing: for channels that are not drawn.
     None,
     /// Points.
     Points,
@@ -58,8 +60,13 @@ pub struct FacePatch {
     sides: [EdgeSamples; 4],
     corners: [([f32; 3], [f32; 3]); 4],
     windows: [Window; 4],
-    rings: Vec<Window>,
+    /// What is next to each corner at depth 1.
+    near: [Near; 4],
+    /// What is next to the irregular corner in work, at depths 1, 2, ….
+    rings: Vec<Near>,
     wanted: Sides,
+    /// Control points that no piece stands for, in hulls only.
+    hull: Vec<P4>,
     pub(crate) fault: DiceFault,
     /// Vector instructions; never changes a bit.
     pub(crate) simd: Level,
@@ -74,8 +81,10 @@ impl Default for FacePatch {
             sides: Default::default(),
             corners: Default::default(),
             windows: [const { Window::EMPTY }; 4],
+            near: [Near::EMPTY; 4],
             rings: Vec::new(),
-            wanted: Sides::None,
+            wanted: Sides::Hull,
+            hull: Vec::new(),
             fault: DiceFault::None,
             simd: Level::SCALAR,
         }
@@ -99,6 +108,7 @@ impl FacePatch {
         self.target = target;
         self.wanted = sides;
         self.pieces.clear();
+        self.hull.clear();
         let fans: [u32; 4] = std::array::from_fn(|c| t.fan(4 * q + c as u32));
         for c in 0..4 {
             let f = fans[c] as usize;
@@ -216,15 +226,23 @@ impl FacePatch {
     ) {
         let t = channel.topology;
         let level = self.level;
+        // Windows of five sectors hold the whole ring of a closed fan of up to five faces: its control points are hull enough.
+        let small = |f: u32| t.fans()[f as usize].closed && t.fans()[f as usize].faces <= 5;
+        let shallow =
+            self.wanted == Sides::Hull && level > 1 && (0..4).all(|c| regular[c] || small(fans[c]));
         for c in 0..4 {
-            let reach = if regular[c] { 3 } else { level as usize + 1 };
+            let reach = if regular[c] || shallow {
+                3
+            } else {
+                level as usize + 1
+            };
             self.windows[c].gather(t, channel.points, 4 * q + c as u32, reach);
         }
         if self.wanted > Sides::None {
             for c in 0..4 {
                 let d = (c + 1) % 4;
                 if regular[c] && regular[d] {
-                    let strip = whole_strip(&self.windows[c], 0, &self.windows[d], 1);
+                    let strip = whole_strip(&self.windows[c].near(), 0, &self.windows[d].near(), 1);
                     self.whole_side(t, channel.points, q, c, &strip);
                 }
             }
@@ -237,8 +255,9 @@ impl FacePatch {
                 None => regular_vertex(&self.windows[c], t.fans()[fans[c] as usize].rule),
             };
             self.windows[c].step(v);
+            self.near[c] = self.windows[c].near();
         }
-        let net = once_refined(&self.windows, regular);
+        let net = once_refined(&self.near, regular);
         let half = 1_u32 << (level - 1);
         let mut centre_done = false;
         for c in 0..4 {
@@ -264,6 +283,21 @@ impl FacePatch {
                 size: 0,
                 level: level - 1,
             });
+        }
+        if shallow {
+            for c in (0..4).filter(|&c| !regular[c]) {
+                self.windows[c].each(|p| self.hull.push(p));
+            }
+            // The points diagonally beyond irregular corners are not set.
+            let diagonal = [(0, 0), (0, 4), (4, 4), (4, 0)];
+            for (r, row) in net.iter().enumerate() {
+                for (k, p) in row.iter().enumerate() {
+                    if !(0..4).any(|c| !regular[c] && diagonal[c] == (r, k)) {
+                        self.hull.push(*p);
+                    }
+                }
+            }
+            return;
         }
         if level == 1 {
             // No piece reaches the middle of a side between two irregular corners: a point of its own, without orientation.
@@ -316,14 +350,14 @@ impl FacePatch {
     ) {
         let full = turn(net, c);
         let mut node: Net<4> = std::array::from_fn(|r| std::array::from_fn(|k| full[r][k]));
-        let mut window = self.windows[c].clone();
         self.rings.clear();
-        self.rings.push(window.clone());
+        self.rings.push(self.near[c]);
         let Some(mut series) = series else { return };
         let n = 1_u32 << level;
         for depth in 2..=level {
-            window.step(series.step());
-            let next = refine_node(&node, &window);
+            self.windows[c].step(series.step());
+            let ring = self.windows[c].near();
+            let next = refine_node(&node, &ring);
             let size = n >> depth;
             for (row, col) in [(0, 1), (1, 1), (1, 0)] {
                 let local: Net<4> =
@@ -337,7 +371,7 @@ impl FacePatch {
                 });
             }
             node = std::array::from_fn(|r| std::array::from_fn(|k| next[r][k]));
-            self.rings.push(window.clone());
+            self.rings.push(ring);
         }
     }
 
@@ -372,9 +406,9 @@ impl FacePatch {
                 }
             });
             if regular[c] {
-                regular_half(&self.windows[c], s, &self.windows[other], so, half, out);
+                regular_half(&self.near[c], s, &self.near[other], so, half, out);
             } else {
-                irregular_half(&self.rings, s, &self.windows[other], so, half, out);
+                irregular_half(&self.rings, s, &self.near[other], so, half, out);
             }
             let other_done = other < c;
             if other_done && !owner {
@@ -410,18 +444,24 @@ impl FacePatch {
     ) {
         let segments = 1_u32 << self.level.min(5);
         let start = [bu * segments, bv * segments];
+        // What the sides write is left out.
+        let n = 1_u32 << self.level;
+        let inner = u32::from(self.wanted > Sides::None);
+        let range = BlockRange {
+            start,
+            low: start.map(|k| k.max(inner)),
+            high: start.map(|k| (k + segments).min(n - inner)),
+        };
         dispatch!(
             self.simd,
             dice_pieces(
                 &self.pieces,
                 self.target,
-                start,
-                segments,
+                range,
                 points,
                 normals.as_deref_mut()
             )
         );
-        let n = 1_u32 << self.level;
         if self.wanted > Sides::None && self.level > 0 {
             self.dice_sides(start, segments, points, normals.as_deref_mut());
         }
@@ -475,6 +515,7 @@ impl FacePatch {
         for piece in &self.pieces {
             piece.hull(self.target, [0.0, 1.0], [0.0, 1.0], &mut out);
         }
+        self.hull.iter().for_each(|p| out(p.xyz()));
         self.corners.iter().for_each(|c| out(c.0));
     }
 
@@ -622,7 +663,7 @@ fn regular_vertex(w: &Window, rule: FanRule) -> P4 {
 }
 
 /// The 5×5 net after one step around a quad, from the windows of its corners at depth 1. Points beyond irregular corners stay zero.
-fn once_refined(w: &[Window; 4], regular: [bool; 4]) -> Net<5> {
+fn once_refined(w: &[Near; 4], regular: [bool; 4]) -> Net<5> {
     let mut net = [[P4::ZERO; 5]; 5];
     net[2][2] = w[0].f(0);
     let mut open = [false; 4];
@@ -657,7 +698,7 @@ fn once_refined(w: &[Window; 4], regular: [bool; 4]) -> Net<5> {
 }
 
 /// One step of the net around an irregular corner at `node[1][1]`; `w` is the corner's window after the step.
-fn refine_node(node: &Net<4>, w: &Window) -> Net<5> {
+fn refine_node(node: &Net<4>, w: &Near) -> Net<5> {
     let n = node;
     let mut out = [[P4::ZERO; 5]; 5];
     let face = |r: usize, c: usize| face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c]);

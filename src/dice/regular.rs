@@ -55,9 +55,10 @@ struct Overlap {
     count: usize,
 }
 
-fn overlap(origin: u32, size: u32, start: u32, segments: u32) -> Option<Overlap> {
-    let lo = origin.max(start);
-    let hi = (origin + size).min(start + segments);
+/// The grid points `low` to `high` of a piece that lie in the block that begins at `start`.
+fn overlap(origin: u32, size: u32, start: u32, low: u32, high: u32) -> Option<Overlap> {
+    let lo = origin.max(low);
+    let hi = (origin + size).min(high);
     (lo <= hi).then(|| Overlap {
         block: (lo - start) as usize,
         piece: (lo - origin) as usize,
@@ -65,25 +66,39 @@ fn overlap(origin: u32, size: u32, start: u32, segments: u32) -> Option<Overlap>
     })
 }
 
+/// The block that pieces are diced into.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlockRange {
+    /// Grid point at which the block begins.
+    pub(crate) start: [u32; 2],
+    /// First grid point wanted along u and v.
+    pub(crate) low: [u32; 2],
+    /// Last grid point wanted.
+    pub(crate) high: [u32; 2],
+}
+
+/// Stores the first `n` lanes; what stands behind them stays. Written as a whole vector, which beats a copy of variable length.
+#[inline(always)]
+fn store(out: &mut [f32], at: usize, lanes: &[f32; LANES], n: usize) {
+    let out = &mut out[at..at + LANES];
+    let mut mixed = [0.0; LANES];
+    for k in 0..LANES {
+        mixed[k] = if k < n { lanes[k] } else { out[k] };
+    }
+    out.copy_from_slice(&mixed);
+}
+
 /// Dices the parts of all pieces inside a block, in their order.
 #[inline(always)]
 pub(crate) fn dice_pieces(
     pieces: &[Piece],
     target: Target,
-    start: [u32; 2],
-    segments: u32,
+    range: BlockRange,
     points: &mut Grid3,
     mut normals: Option<&mut Grid3>,
 ) {
     for piece in pieces {
-        dice_piece(
-            piece,
-            target,
-            start,
-            segments,
-            points,
-            normals.as_deref_mut(),
-        );
+        dice_piece(piece, target, range, points, normals.as_deref_mut());
     }
 }
 
@@ -92,15 +107,26 @@ pub(crate) fn dice_pieces(
 fn dice_piece(
     piece: &Piece,
     target: Target,
-    start: [u32; 2],
-    segments: u32,
+    range: BlockRange,
     points: &mut Grid3,
     normals: Option<&mut Grid3>,
 ) {
-    let Some(cols) = overlap(piece.origin[0], piece.size, start[0], segments) else {
+    let Some(cols) = overlap(
+        piece.origin[0],
+        piece.size,
+        range.start[0],
+        range.low[0],
+        range.high[0],
+    ) else {
         return;
     };
-    let Some(rows) = overlap(piece.origin[1], piece.size, start[1], segments) else {
+    let Some(rows) = overlap(
+        piece.origin[1],
+        piece.size,
+        range.start[1],
+        range.low[1],
+        range.high[1],
+    ) else {
         return;
     };
     let basis = Basis::get(target, piece.level);
@@ -123,9 +149,9 @@ fn dice_piece(
         while i < cols.count {
             let wu = columns(&basis.point, cols.piece + i);
             let n = (cols.count - i).min(LANES);
-            points.x[row + i..row + i + n].copy_from_slice(&lanes(&wu, &q, 0)[..n]);
-            points.y[row + i..row + i + n].copy_from_slice(&lanes(&wu, &q, 1)[..n]);
-            points.z[row + i..row + i + n].copy_from_slice(&lanes(&wu, &q, 2)[..n]);
+            store(&mut points.x, row + i, &lanes(&wu, &q, 0), n);
+            store(&mut points.y, row + i, &lanes(&wu, &q, 1), n);
+            store(&mut points.z, row + i, &lanes(&wu, &q, 2), n);
             i += LANES;
         }
     }
@@ -155,9 +181,9 @@ fn dice_normals(piece: &Piece, basis: &Basis, cols: &Overlap, rows: &Overlap, no
             let dv = [lanes(&wu, &r, 0), lanes(&wu, &r, 1), lanes(&wu, &r, 2)];
             let n = (cols.count - i).min(LANES);
             let unit = unit_cross(&du, &dv, spare);
-            normals.x[row + i..row + i + n].copy_from_slice(&unit[0][..n]);
-            normals.y[row + i..row + i + n].copy_from_slice(&unit[1][..n]);
-            normals.z[row + i..row + i + n].copy_from_slice(&unit[2][..n]);
+            store(&mut normals.x, row + i, &unit[0], n);
+            store(&mut normals.y, row + i, &unit[1], n);
+            store(&mut normals.z, row + i, &unit[2], n);
             i += LANES;
         }
     }

@@ -105,6 +105,27 @@ impl Window {
         -self.left <= i && i <= self.right
     }
 
+    /// The sectors next to the own one.
+    pub(crate) fn near(&self) -> Near {
+        let at = REACH - 2;
+        let mut near = Near {
+            v: self.v,
+            left: self.left.min(2),
+            right: self.right.min(2),
+            ..Near::EMPTY
+        };
+        near.edges.copy_from_slice(&self.edges[at..at + 6]);
+        near.faces.copy_from_slice(&self.faces[at..at + 5]);
+        near
+    }
+
+    /// Calls `out` with every point of the window.
+    pub(crate) fn each(&self, mut out: impl FnMut(P4)) {
+        out(self.v);
+        (-self.left..=self.right + 1).for_each(|i| out(self.e(i)));
+        (-self.left..=self.right).for_each(|i| out(self.f(i)));
+    }
+
     /// One step of refinement; `v` is what the vertex becomes.
     pub(crate) fn step(&mut self, v: P4) {
         let o = REACH as i32;
@@ -129,6 +150,44 @@ impl Window {
             self.right -= 1;
         }
         self.v = v;
+    }
+}
+
+/// The five sectors around the own one, kept from a window of some depth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    pub(crate) v: P4,
+    edges: [P4; 6],
+    faces: [P4; 5],
+    left: i32,
+    right: i32,
+}
+
+impl Near {
+    pub(crate) const EMPTY: Self = Self {
+        v: P4::ZERO,
+        edges: [P4::ZERO; 6],
+        faces: [P4::ZERO; 5],
+        left: 0,
+        right: 0,
+    };
+
+    /// Ring edge `i`; present for `-left ≤ i ≤ right + 1`, at most from −2 to 3.
+    #[inline]
+    pub(crate) fn e(&self, i: i32) -> P4 {
+        debug_assert!(-self.left <= i && i <= self.right + 1);
+        self.edges[(i + 2) as usize]
+    }
+    /// Face corner `i`; present for `-left ≤ i ≤ right`, at most from −2 to 2.
+    #[inline]
+    pub(crate) fn f(&self, i: i32) -> P4 {
+        debug_assert!(self.has(i));
+        self.faces[(i + 2) as usize]
+    }
+    /// Whether sector `i` is there.
+    #[inline]
+    pub(crate) fn has(&self, i: i32) -> bool {
+        -self.left <= i && i <= self.right
     }
 }
 

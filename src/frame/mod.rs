@@ -25,6 +25,7 @@ use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
 use crate::texture::Texture;
 use rayon::prelude::*;
+use std::sync::Mutex;
 use std::time::Instant;
 
 pub use scene::{Object, Scene};
@@ -78,6 +79,31 @@ pub struct Renderer {
     pub measure: bool,
     /// Budgets.
     pub limits: Limits,
+    scratch: ScratchPool,
+}
+
+/// Buffers of threads, kept from frame to frame: fresh memory for every tile costs more than the tile.
+#[derive(Default)]
+struct ScratchPool(Mutex<Vec<Scratch>>);
+
+impl std::fmt::Debug for ScratchPool {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("ScratchPool")
+    }
+}
+
+impl ScratchPool {
+    fn take(&self, samples: u32, simd: SimdLevel) -> Scratch {
+        let kept = self.0.lock().ok().and_then(|mut pool| pool.pop());
+        kept.filter(|s| s.fits(samples, simd))
+            .unwrap_or_else(|| Scratch::new(samples, simd))
+    }
+    fn give_back(&self, mut scratch: Scratch) {
+        scratch.forget_scene();
+        if let Ok(mut pool) = self.0.lock() {
+            pool.push(scratch);
+        }
+    }
 }
 
 /// A finished frame.
@@ -177,6 +203,7 @@ impl Renderer {
             simd: SimdLevel::detect(),
             measure: false,
             limits: Limits::default(),
+            scratch: ScratchPool::default(),
         }
     }
 
@@ -342,17 +369,16 @@ impl Renderer {
         let drawn: Vec<(Vec<u8>, u64, StageTimes)> = (0..frame.grid.len())
             .into_par_iter()
             .with_max_len(1)
-            .map_init(
-                || Scratch::new(self.size.samples, self.simd),
-                |scratch, tile| {
-                    self.limits.check()?;
-                    scratch.times = StageTimes::measuring(self.measure);
-                    let mut pixels = Vec::new();
-                    let covered = tile::draw_tile(frame, tile, scratch, &mut pixels);
-                    self.limits.progress.step();
-                    Ok((pixels, covered, scratch.times))
-                },
-            )
+            .map(|tile| {
+                self.limits.check()?;
+                let mut scratch = self.scratch.take(self.size.samples, self.simd);
+                scratch.times = StageTimes::measuring(self.measure);
+                let mut pixels = Vec::new();
+                let covered = tile::draw_tile(frame, tile, &mut scratch, &mut pixels);
+                let times = scratch.times;
+                self.scratch.give_back(scratch);
+                Ok((pixels, covered, times))
+            })
             .collect::<Result<_, LimitError>>()?;
         let mut image = Image::new(self.size.width, self.size.height);
         for (tile, (pixels, covered, times)) in drawn.iter().enumerate() {

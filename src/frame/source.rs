@@ -48,6 +48,11 @@ impl SourceScratch {
         scratch.patch.set_simd(simd);
         scratch
     }
+
+    /// Forgets which item is prepared: numbers of another scene mean other items.
+    pub(super) fn forget(&mut self) {
+        self.prepared = None;
+    }
 }
 
 /// What shading needs of a block beside its points.
@@ -205,7 +210,7 @@ impl<'a> Source<'a> {
         } else if self.is_polygonal() {
             out.extend(self.polygon(item).map(|h| self.corner_point(h)));
         } else {
-            self.prepare(scratch, item, Sides::None);
+            self.prepare(scratch, item, Sides::Hull);
             scratch.patch.hull(|p| out.push(p));
         }
     }

@@ -38,6 +38,7 @@ pub(super) struct Scratch {
     shaded: Vec<[f32; 4]>,
     colors: Vec<[f32; 4]>,
     pub(super) times: StageTimes,
+    simd: Level,
 }
 
 impl Scratch {
@@ -58,7 +59,19 @@ impl Scratch {
             shaded: Vec::new(),
             colors: Vec::new(),
             times: StageTimes::default(),
+            simd,
         }
+    }
+
+    /// Whether the buffers serve a frame of these settings.
+    pub(super) fn fits(&self, samples: u32, simd: Level) -> bool {
+        self.tile.samples() == samples && self.simd == simd
+    }
+
+    /// Drops what belongs to the scene of one frame; the next may have other points.
+    pub(super) fn forget_scene(&mut self) {
+        self.source.forget();
+        self.layers = None;
     }
 }
 
@@ -380,15 +393,20 @@ fn resolve(frame: &Frame<'_>, rect: [u32; 4], s: &Scratch, pixels: &mut Vec<u8>)
     let samples = frame.size.samples;
     let plane = (rect[2] * rect[3]) as usize;
     let mut covered = 0;
-    pixels.reserve(plane * 4);
-    for at in 0..plane {
+    pixels.resize(plane * 4, 0);
+    let empty = frame.film.empty();
+    for (at, pixel) in pixels.chunks_exact_mut(4).enumerate() {
         let mut sum = PixelSum::default();
         for k in 0..samples as usize {
             sum.add(s.colors[k * plane + at]);
         }
         let color = sum.mean(samples);
-        covered += u64::from(color[3] > 0.0);
-        pixels.extend(frame.film.pixel(color));
+        if color[3] > 0.0 {
+            covered += 1;
+            pixel.copy_from_slice(&frame.film.pixel(color));
+        } else {
+            pixel.copy_from_slice(&empty);
+        }
     }
     covered
 }
