@@ -8,7 +8,7 @@ use super::render::{check_picture, input_paths, stats_output};
 use super::stats::{Clock, Json, Stages, Time, frame_stages};
 use super::watch::{self, Phase};
 use clap::{Args, ValueEnum};
-use earmark::frame::{Drawing, Finished, FrameStats};
+use earmark::frame::{Drawing, Finished, FrameStats, Renderer};
 use earmark::limits::Limits;
 use earmark::records::Grid3;
 use earmark::stream::BlockStream;

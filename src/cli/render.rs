@@ -8,7 +8,7 @@ use super::stats::{Clock, Json, frame_stages};
 use super::watch::{self, Phase};
 use clap::Args;
 use earmark::camera::Sphere;
-use earmark::frame::{Finished, Renderer};
+use earmark::frame::Finished;
 use earmark::limits::Limits;
 use earmark::records::ScreenSize;
 use earmark::shade::SurfaceMaterial;
