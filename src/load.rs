@@ -65,15 +65,15 @@ fn surface_bytes(cage: &Cage) -> u128 {
     let corners = cage.corner_vertices.len() as u128;
     let vertices = cage.points.len() as u128;
     let quads = corners == 4 * cage.face_count() as u128;
-    let per_corner = if quads { PER_CORNER } else { PER_CORNER * 5 };
+    let per_corner = if quads { PER_CORNER } else { PER_CORNER * 8 };
     let channels = 1 + u128::from(!cage.corner_uvs.is_empty());
     (corners * per_corner + vertices * PER_VERTEX) * channels
 }
 
-/// Bytes per corner of a cage of quads; others are split into four times as many.
-const PER_CORNER: u128 = 48;
+/// Bytes per corner of a cage of quads. Others are split into four times as many, and are held beside.
+const PER_CORNER: u128 = 26;
 /// Bytes per vertex.
-const PER_VERTEX: u128 = 96;
+const PER_VERTEX: u128 = 40;
 
 /// Loads scenes model by model.
 #[derive(Debug)]

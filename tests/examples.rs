@@ -52,3 +52,20 @@ fn render_writes_a_picture() {
     assert!(std::fs::read(&out).unwrap().starts_with(b"\x89PNG"));
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn contact_sheet_draws_a_folder() {
+    let folder = std::env::temp_dir().join(format!("earmark-sheet-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    for name in ["cube", "torus", "octahedron"] {
+        let from = format!("{}/assets/{name}.obj", env!("CARGO_MANIFEST_DIR"));
+        std::fs::copy(from, folder.join(name).with_extension("obj")).unwrap();
+    }
+    let out = folder.join("sheet.png");
+    let arguments = [folder.to_str().unwrap(), out.to_str().unwrap(), "40"];
+    output("contact_sheet", &arguments);
+    let bytes = std::fs::read(&out).unwrap();
+    // Two columns of 40 pixels with margins of 16.
+    assert_eq!(&bytes[16..20], &128_u32.to_be_bytes());
+    std::fs::remove_dir_all(&folder).unwrap();
+}

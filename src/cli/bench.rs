@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "MODEL")]
     pub(crate) model_path: Option<PathBuf>,
     /// Repetitions that are measured, 1 to 100000
-    #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000), allow_hyphen_values = true)]
     pub(crate) repeat: u32,
     /// refine: unit limit normals too
     #[arg(long)]

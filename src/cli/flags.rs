@@ -152,10 +152,10 @@ pub(crate) struct LevelFlags {
     #[arg(long, value_enum, default_value = "limit")]
     pub(crate) surface: SurfaceKind,
     /// Uniform level of refinement, 0 to 10 [default: per model, from the length of its edges in pixels]
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10))]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: Option<u32>,
     /// Highest level that is chosen without --level, 0 to 10
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=10))]
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) max_level: u32,
 }
 
@@ -234,7 +234,7 @@ pub(crate) struct PictureFlags {
     #[arg(long, value_name = "N", default_value = "4", value_parser = samples, allow_hyphen_values = true)]
     pub(crate) samples: u32,
     /// Background, sRGB and opacity in hexadecimal [default: transparent]
-    #[arg(long, value_name = "RRGGBB[AA]", value_parser = color)]
+    #[arg(long, value_name = "RRGGBB[AA]", value_parser = color, allow_hyphen_values = true)]
     pub(crate) background: Option<[u8; 4]>,
     /// What pixels show
     #[arg(long, value_enum, default_value = "lit")]

@@ -3,7 +3,7 @@
 use super::exit::{Code, Failure};
 use super::flags::{ModelFlags, RunningFlags};
 use super::messages::{note, warning};
-use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms};
+use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, reserved_bytes};
 use super::watch::{self, Phase};
 use earmark::Scene;
 use earmark::files::{self, AtomicFile, FolderResolver};
@@ -90,8 +90,12 @@ impl Job {
         }
     }
 
+    /// Memory that may still be taken. A limit of address space counts what is reserved, as allocators do per thread, and is not used
+    /// up to its end, because reservations grow by large steps.
     pub(crate) fn memory_left(&self) -> Option<u64> {
-        self.max_memory.map(|m| m.saturating_sub(held_bytes()))
+        let left = self.max_memory.map(|m| m.saturating_sub(held_bytes()));
+        let space = address_space().map(|s| s.saturating_sub(reserved_bytes()) / 4 * 3);
+        [left, space].into_iter().flatten().min()
     }
 
     /// Runs a stage with both clocks on.
@@ -377,7 +381,7 @@ fn threads(wanted: Option<u32>) -> usize {
     wanted.min(most)
 }
 
-/// Three quarters of what the process may have: its control group's limit, its own limit of address space, physical memory.
+/// Three quarters of what the process may have: its control group's limit, physical memory.
 fn default_memory() -> Option<u64> {
     let physical = || {
         let info = std::fs::read_to_string("/proc/meminfo").ok()?;
@@ -385,10 +389,7 @@ fn default_memory() -> Option<u64> {
         let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
         Some(kilobytes << 10)
     };
-    let least = [physical(), group_limit(), address_space()]
-        .into_iter()
-        .flatten()
-        .min()?;
+    let least = [physical(), group_limit()].into_iter().flatten().min()?;
     Some(least / 4 * 3)
 }
 

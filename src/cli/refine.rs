@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "OUT.obj")]
     pub(crate) output: PathBuf,
     /// Steps of refinement, 0 to 10
-    #[arg(short, long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=10))]
+    #[arg(short, long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: u32,
     /// Write limit positions and unit limit normals in place of control points
     #[arg(long)]

@@ -176,6 +176,11 @@ pub(crate) fn peak_bytes() -> Option<u64> {
     status_bytes("VmHWM:")
 }
 
+/// Address space that it has reserved.
+pub(crate) fn reserved_bytes() -> u64 {
+    status_bytes("VmSize:").unwrap_or(0)
+}
+
 /// Memory that it holds now.
 pub(crate) fn held_bytes() -> u64 {
     status_bytes("VmRSS:").unwrap_or(0)
