@@ -8,12 +8,10 @@
 
 use super::basis::{Basis, Target};
 use super::point::P4;
-use super::regular::{columns, lanes, unit_cross};
+use super::regular::{LANES, LINE, Line, unit_cross, weigh3};
 use super::window::{Near, edge_point, face_point, vertex_point};
 use crate::dispatch;
 use crate::simd::Level;
-
-const LANES: usize = 16;
 
 /// Samples along one side of a face: positions and unit normals, component by component, padded by [`LANES`].
 #[derive(Clone, Debug, Default)]
@@ -76,59 +74,72 @@ impl Strip {
     #[inline(always)]
     fn sample_kernel(&self, to: Samples, out: &mut EdgeSamples) {
         let basis = Basis::get(to.target, to.level);
-        let [side, centre] = basis.across;
-        let row: [P4; 4] =
-            std::array::from_fn(|i| (self.l[i] + self.r[i]) * side + self.c[i] * centre);
-        let count = (1_usize << to.level) + 1;
-        let mut i = 0;
-        while i < count {
-            let w = columns(&basis.point, i);
-            let point = [lanes(&w, &row, 0), lanes(&w, &row, 1), lanes(&w, &row, 2)];
-            to.put(&point, &mut out.points, i, count);
-            i += LANES;
-        }
+        let row = self.across(basis.across);
+        let mut line = [[0.0; LINE]; 3];
+        to.runs(|i, n| {
+            weigh3(&basis.point, i, n.next_multiple_of(LANES), &row, &mut line);
+            to.put(&line, &mut out.points, i, n);
+        });
         if to.normals {
             self.normals_kernel(to, basis, out);
         }
     }
 
+    /// The strip's middle line: each centre blended with its neighbours.
+    #[inline(always)]
+    fn across(&self, [side, centre]: [f32; 2]) -> [P4; 4] {
+        let at = |i: usize| (self.l[i] + self.r[i]) * side + self.c[i] * centre;
+        [at(0), at(1), at(2), at(3)]
+    }
+
     #[inline(always)]
     fn normals_kernel(&self, to: Samples, basis: &Basis, out: &mut EdgeSamples) {
-        let [side, centre] = Basis::get(Target::Limit, 0).across;
-        let along: [P4; 4] =
-            std::array::from_fn(|i| (self.l[i] + self.r[i]) * side + self.c[i] * centre);
-        let across: [P4; 4] = std::array::from_fn(|i| self.l[i] - self.r[i]);
+        let along = self.across(Basis::get(Target::Limit, 0).across);
+        let across = [
+            self.l[0] - self.r[0],
+            self.l[1] - self.r[1],
+            self.l[2] - self.r[2],
+            self.l[3] - self.r[3],
+        ];
         let spare = (self.c[2] - self.c[1])
             .cross(across[1] + across[2])
             .unit()
             .map_or([0.0, 0.0, 1.0], P4::xyz);
-        let count = (1_usize << to.level) + 1;
-        let mut i = 0;
-        while i < count {
-            let (w, s) = (columns(&basis.limit, i), columns(&basis.slope, i));
-            let du = [
-                lanes(&s, &along, 0),
-                lanes(&s, &along, 1),
-                lanes(&s, &along, 2),
-            ];
-            let dv = [
-                lanes(&w, &across, 0),
-                lanes(&w, &across, 1),
-                lanes(&w, &across, 2),
-            ];
-            to.put(&unit_cross(&du, &dv, spare), &mut out.normals, i, count);
-            i += LANES;
-        }
+        let (mut du, mut dv, mut unit) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3], [[0.0; LINE]; 3]);
+        to.runs(|i, n| {
+            let lanes = n.next_multiple_of(LANES);
+            weigh3(&basis.slope, i, lanes, &along, &mut du);
+            weigh3(&basis.limit, i, lanes, &across, &mut dv);
+            unit_cross(&du, &dv, lanes, spare, &mut unit);
+            to.put(&unit, &mut out.normals, i, n);
+        });
     }
 }
 
 impl Samples {
-    /// Stores one vector of samples, `i` being the first.
+    /// Cuts the samples into runs of at most a line: first sample and number.
     #[inline(always)]
-    fn put(&self, values: &[[f32; LANES]; 3], out: &mut [Vec<f32>; 3], i: usize, count: usize) {
+    fn runs(&self, mut f: impl FnMut(usize, usize)) {
+        let count = (1_usize << self.level) + 1;
+        let mut i = 0;
+        while i < count {
+            f(i, (count - i).min(LINE));
+            i += LINE;
+        }
+    }
+
+    /// Stores a run of samples, `i` being the first.
+    #[inline(always)]
+    fn put(&self, values: &[Line; 3], out: &mut [Vec<f32>; 3], i: usize, n: usize) {
         for (values, out) in values.iter().zip(out) {
-            for k in 0..LANES.min(count - i) {
-                out[(self.at + (i + k) as i64 * self.step) as usize] = values[k];
+            let at = self.at + i as i64 * self.step;
+            if self.step > 0 {
+                out[at as usize..at as usize + n].copy_from_slice(&values[..n]);
+            } else {
+                let to = &mut out[at as usize + 1 - n..=at as usize];
+                for (value, out) in values[..n].iter().zip(to.iter_mut().rev()) {
+                    *out = *value;
+                }
             }
         }
     }

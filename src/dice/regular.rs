@@ -6,9 +6,10 @@
 use super::basis::{Basis, Target};
 use super::point::P4;
 use crate::records::{BLOCK_STRIDE, Grid3};
+use std::hint::select_unpredictable;
 
 /// Points in one vector of the kernels.
-const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 
 /// A bicubic B-spline over a square of a face's grid.
 #[derive(Clone, Debug)]
@@ -28,24 +29,54 @@ fn blend(w: [f32; 4], p: [P4; 4]) -> P4 {
     (p[0] * w[0] + p[3] * w[3]) + (p[1] * w[1] + p[2] * w[2])
 }
 
-/// Four weight rows at 16 neighbouring columns.
+/// Points in a line of the kernels: a row of a block, rounded up to whole vectors.
+pub(crate) const LINE: usize = BLOCK_STRIDE;
+
+/// One component along a line.
+pub(crate) type Line = [f32; LINE];
+
+/// Component `c` of the points that the weights from `at` on make of `q`; `n` is a multiple of [`LANES`] at most [`LINE`].
+///
+/// The trip count is not a constant on purpose: loops of a small constant length are unrolled before they could be vectorised.
 #[inline(always)]
-pub(crate) fn columns(w: &[Vec<f32>; 4], at: usize) -> [[f32; LANES]; 4] {
-    std::array::from_fn(|k| {
-        let mut out = [0.0; LANES];
-        out.copy_from_slice(&w[k][at..at + LANES]);
-        out
-    })
+pub(crate) fn weigh(w: &[Vec<f32>; 4], at: usize, n: usize, q: &[P4; 4], c: usize, out: &mut Line) {
+    let (w0, w1, w2, w3) = (
+        &w[0][at..at + n],
+        &w[1][at..at + n],
+        &w[2][at..at + n],
+        &w[3][at..at + n],
+    );
+    let (q0, q1, q2, q3) = (q[0].0[c], q[1].0[c], q[2].0[c], q[3].0[c]);
+    let out = &mut out[..n];
+    for i in 0..n {
+        out[i] = (w0[i] * q0 + w3[i] * q3) + (w1[i] * q1 + w2[i] * q2);
+    }
 }
 
+/// All three components.
 #[inline(always)]
-pub(crate) fn lanes(w: &[[f32; LANES]; 4], q: &[P4; 4], c: usize) -> [f32; LANES] {
-    let mut out = [0.0; LANES];
-    for i in 0..LANES {
-        out[i] = (w[0][i] * q[0].0[c] + w[3][i] * q[3].0[c])
-            + (w[1][i] * q[1].0[c] + w[2][i] * q[2].0[c]);
-    }
-    out
+pub(crate) fn weigh3(w: &[Vec<f32>; 4], at: usize, n: usize, q: &[P4; 4], out: &mut [Line; 3]) {
+    let [x, y, z] = out;
+    weigh(w, at, n, q, 0, x);
+    weigh(w, at, n, q, 1, y);
+    weigh(w, at, n, q, 2, z);
+}
+
+/// The four columns of a net, each blended by `w`.
+#[inline(always)]
+fn blend_rows(w: [f32; 4], net: &[[P4; 4]; 4]) -> [P4; 4] {
+    [
+        blend(w, [net[0][0], net[1][0], net[2][0], net[3][0]]),
+        blend(w, [net[0][1], net[1][1], net[2][1], net[3][1]]),
+        blend(w, [net[0][2], net[1][2], net[2][2], net[3][2]]),
+        blend(w, [net[0][3], net[1][3], net[2][3], net[3][3]]),
+    ]
+}
+
+/// The four weights at one place.
+#[inline(always)]
+fn weights(w: &[Vec<f32>; 4], at: usize) -> [f32; 4] {
+    [w[0][at], w[1][at], w[2][at], w[3][at]]
 }
 
 /// Grid range of a block that a piece covers, in block and piece coordinates.
@@ -75,17 +106,6 @@ pub(crate) struct BlockRange {
     pub(crate) low: [u32; 2],
     /// Last grid point wanted.
     pub(crate) high: [u32; 2],
-}
-
-/// Stores the first `n` lanes; what stands behind them stays. Written as a whole vector, which beats a copy of variable length.
-#[inline(always)]
-fn store(out: &mut [f32], at: usize, lanes: &[f32; LANES], n: usize) {
-    let out = &mut out[at..at + LANES];
-    let mut mixed = [0.0; LANES];
-    for k in 0..LANES {
-        mixed[k] = if k < n { lanes[k] } else { out[k] };
-    }
-    out.copy_from_slice(&mixed);
 }
 
 /// Dices the parts of all pieces inside a block, in their order.
@@ -130,62 +150,49 @@ fn dice_piece(
         return;
     };
     let basis = Basis::get(target, piece.level);
+    let n = cols.count.next_multiple_of(LANES);
+    let mut line = [[0.0; LINE]; 3];
     for j in 0..rows.count {
-        let v = rows.piece + j;
-        let w: [f32; 4] = std::array::from_fn(|k| basis.point[k][v]);
-        let q: [P4; 4] = std::array::from_fn(|c| {
-            blend(
-                w,
-                [
-                    piece.net[0][c],
-                    piece.net[1][c],
-                    piece.net[2][c],
-                    piece.net[3][c],
-                ],
-            )
-        });
-        let row = (rows.block + j) * BLOCK_STRIDE + cols.block;
-        let mut i = 0;
-        while i < cols.count {
-            let wu = columns(&basis.point, cols.piece + i);
-            let n = (cols.count - i).min(LANES);
-            store(&mut points.x, row + i, &lanes(&wu, &q, 0), n);
-            store(&mut points.y, row + i, &lanes(&wu, &q, 1), n);
-            store(&mut points.z, row + i, &lanes(&wu, &q, 2), n);
-            i += LANES;
-        }
+        let q = blend_rows(weights(&basis.point, rows.piece + j), &piece.net);
+        weigh3(&basis.point, cols.piece, n, &q, &mut line);
+        put(
+            points,
+            (rows.block + j) * BLOCK_STRIDE + cols.block,
+            cols.count,
+            &line,
+        );
     }
     if let Some(normals) = normals {
         dice_normals(piece, basis, &cols, &rows, normals);
     }
 }
 
+/// Writes the first `n` points of a line.
+#[inline(always)]
+fn put(grid: &mut Grid3, at: usize, n: usize, line: &[Line; 3]) {
+    grid.x[at..at + n].copy_from_slice(&line[0][..n]);
+    grid.y[at..at + n].copy_from_slice(&line[1][..n]);
+    grid.z[at..at + n].copy_from_slice(&line[2][..n]);
+}
+
 #[inline(always)]
 fn dice_normals(piece: &Piece, basis: &Basis, cols: &Overlap, rows: &Overlap, normals: &mut Grid3) {
-    let net = &piece.net;
-    let spare = fallback(net);
+    let spare = fallback(&piece.net);
+    let n = cols.count.next_multiple_of(LANES);
+    let (mut du, mut dv, mut unit) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3], [[0.0; LINE]; 3]);
     for j in 0..rows.count {
         let v = rows.piece + j;
-        let w: [f32; 4] = std::array::from_fn(|k| basis.limit[k][v]);
-        let s: [f32; 4] = std::array::from_fn(|k| basis.slope[k][v]);
-        let q: [P4; 4] =
-            std::array::from_fn(|c| blend(w, [net[0][c], net[1][c], net[2][c], net[3][c]]));
-        let r: [P4; 4] =
-            std::array::from_fn(|c| blend(s, [net[0][c], net[1][c], net[2][c], net[3][c]]));
-        let row = (rows.block + j) * BLOCK_STRIDE + cols.block;
-        let mut i = 0;
-        while i < cols.count {
-            let wu = columns(&basis.limit, cols.piece + i);
-            let su = columns(&basis.slope, cols.piece + i);
-            let du = [lanes(&su, &q, 0), lanes(&su, &q, 1), lanes(&su, &q, 2)];
-            let dv = [lanes(&wu, &r, 0), lanes(&wu, &r, 1), lanes(&wu, &r, 2)];
-            let n = (cols.count - i).min(LANES);
-            let unit = unit_cross(&du, &dv, spare);
-            store(&mut normals.x, row + i, &unit[0], n);
-            store(&mut normals.y, row + i, &unit[1], n);
-            store(&mut normals.z, row + i, &unit[2], n);
-            i += LANES;
-        }
+        let q = blend_rows(weights(&basis.limit, v), &piece.net);
+        let r = blend_rows(weights(&basis.slope, v), &piece.net);
+        weigh3(&basis.slope, cols.piece, n, &q, &mut du);
+        weigh3(&basis.limit, cols.piece, n, &r, &mut dv);
+        unit_cross(&du, &dv, n, spare, &mut unit);
+        put(
+            normals,
+            (rows.block + j) * BLOCK_STRIDE + cols.block,
+            cols.count,
+            &unit,
+        );
     }
 }
 
@@ -195,36 +202,40 @@ fn fallback(net: &[[P4; 4]; 4]) -> [f32; 3] {
     n.unit().map_or([0.0, 0.0, 1.0], P4::xyz)
 }
 
-/// Unit cross products of 16 pairs of vectors; `spare` where there is none.
+/// Unit cross products along a line; `spare` where there is none.
 #[inline(always)]
 pub(crate) fn unit_cross(
-    a: &[[f32; LANES]; 3],
-    b: &[[f32; LANES]; 3],
+    a: &[Line; 3],
+    b: &[Line; 3],
+    n: usize,
     spare: [f32; 3],
-) -> [[f32; LANES]; 3] {
-    let mut out = [[0.0; LANES]; 3];
-    for i in 0..LANES {
+    out: &mut [Line; 3],
+) {
+    let (a0, a1, a2) = (&a[0][..n], &a[1][..n], &a[2][..n]);
+    let (b0, b1, b2) = (&b[0][..n], &b[1][..n], &b[2][..n]);
+    let [x, y, z] = out;
+    let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
+    for i in 0..n {
         // Scale both by their largest component, so that squares stay inside f32 for cages of any size.
-        let ma = a[0][i].abs().max(a[1][i].abs()).max(a[2][i].abs());
-        let mb = b[0][i].abs().max(b[1][i].abs()).max(b[2][i].abs());
+        let ma = a0[i].abs().max(a1[i].abs()).max(a2[i].abs());
+        let mb = b0[i].abs().max(b1[i].abs()).max(b2[i].abs());
         let (ia, ib) = (
             1.0 / ma.max(f32::MIN_POSITIVE),
             1.0 / mb.max(f32::MIN_POSITIVE),
         );
-        let (ax, ay, az) = (a[0][i] * ia, a[1][i] * ia, a[2][i] * ia);
-        let (bx, by, bz) = (b[0][i] * ib, b[1][i] * ib, b[2][i] * ib);
-        let x = ay * bz - az * by;
-        let y = az * bx - ax * bz;
-        let z = ax * by - ay * bx;
-        let square = (x * x + y * y) + z * z;
+        let (ax, ay, az) = (a0[i] * ia, a1[i] * ia, a2[i] * ia);
+        let (bx, by, bz) = (b0[i] * ib, b1[i] * ib, b2[i] * ib);
+        let nx = ay * bz - az * by;
+        let ny = az * bx - ax * bz;
+        let nz = ax * by - ay * bx;
+        let square = (nx * nx + ny * ny) + nz * nz;
         // Below this the cross product is rounding noise of the two unit-sized factors.
         let sound = square > 1e-12;
-        let inverse = 1.0 / if sound { square } else { 1.0 }.sqrt();
-        out[0][i] = if sound { x * inverse } else { spare[0] };
-        out[1][i] = if sound { y * inverse } else { spare[1] };
-        out[2][i] = if sound { z * inverse } else { spare[2] };
+        let inverse = 1.0 / select_unpredictable(sound, square, 1.0).sqrt();
+        x[i] = select_unpredictable(sound, nx * inverse, spare[0]);
+        y[i] = select_unpredictable(sound, ny * inverse, spare[1]);
+        z[i] = select_unpredictable(sound, nz * inverse, spare[2]);
     }
-    out
 }
 
 impl Piece {

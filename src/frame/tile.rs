@@ -305,7 +305,9 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
 #[inline(always)]
 pub(super) fn interpolate(a: &[f32], id: SampleId, w: [f32; 4]) -> f32 {
     let k = id.row() as usize * BLOCK_STRIDE + id.col() as usize;
-    (w[0] * a[k] + w[1] * a[k + 1]) + (w[2] * a[k + BLOCK_STRIDE + 1] + w[3] * a[k + BLOCK_STRIDE])
+    // One check of bounds for all four corners.
+    let a = &a[k..k + BLOCK_STRIDE + 2];
+    (w[0] * a[0] + w[1] * a[1]) + (w[2] * a[BLOCK_STRIDE + 1] + w[3] * a[BLOCK_STRIDE])
 }
 
 /// The surface at a sample of a block.
@@ -366,7 +368,7 @@ fn surface_point(
 /// Per grid point the side of the square in texture coordinates that covers the area of a pixel, from differences along the grid.
 fn footprints(block: &ProjectedBlock, uvs: &Grid3, size: BlockSize, out: &mut Vec<f32>) {
     out.clear();
-    out.resize(size.rows * BLOCK_STRIDE, 0.0);
+    out.resize((size.rows + 1) * BLOCK_STRIDE, 0.0);
     let step = |k: usize, n: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
     for j in 0..size.rows {
         let (j0, j1) = step(j, size.rows);
