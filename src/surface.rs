@@ -266,7 +266,6 @@ impl Surface {
     ///
     /// # Panics
     /// As [`Surface::dice`].
-    #[must_use]
     pub fn refine_quads(&self, level: u32) -> impl Iterator<Item = DicedQuad> + '_ {
         assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
         let fans = self.refined_fans(level);

@@ -23,6 +23,9 @@ const MOST_THREADS_PER_CORE: usize = 4;
 /// As many are always allowed, so that a result can be compared over thread counts anywhere.
 const ALWAYS_ALLOWED: usize = 64;
 
+/// The bytes of a model, what messages call it, and what hands out the files that it names.
+type Input = (Vec<u8>, String, Box<dyn Resolver>);
+
 /// One run of the program.
 pub(crate) struct Job {
     pub(crate) start: Instant,
@@ -169,12 +172,8 @@ impl Job {
         })
     }
 
-    /// The bytes of a model, what messages call it, and what hands out the files that it names.
-    fn read_bytes(
-        &self,
-        model: &Path,
-        flags: &ModelFlags,
-    ) -> Result<(Vec<u8>, String, Box<dyn Resolver>), Failure> {
+    /// Opens a model.
+    fn read_bytes(&self, model: &Path, flags: &ModelFlags) -> Result<Input, Failure> {
         let most = self.memory_left().unwrap_or(u64::MAX);
         if model.as_os_str() != "-" {
             let bytes = files::read_model(model, most)?;
