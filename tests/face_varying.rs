@@ -152,6 +152,15 @@ fn creases_along_the_seam_change_nothing() {
     }
 }
 
+/// The side without a semi-sharp edge of its own waits for the seam as well.
+#[test]
+fn semi_sharp_seams_hold_the_dependent_side() {
+    let shape = grid(2, |_, _| 0.0).crease(4, 5, 0.5).crease(1, 4, 1.5);
+    for rule in [Rule::CornersPlus1, Rule::CornersPlus2] {
+        check(&shape, rule, Becomes::Same, Becomes::Half);
+    }
+}
+
 /// One face against three: the single face has a corner, and from corners-plus2 on the three too.
 #[test]
 fn a_single_face_has_a_corner() {

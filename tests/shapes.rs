@@ -317,7 +317,7 @@ const FVAR_RULES: [&str; 6] = [
     "all",
 ];
 
-/// Every face-varying rule with the other options in turn, so that every pair occurs.
+/// Every face-varying rule with the other options in turn.
 fn compare_options(
     program: &std::ffi::OsStr,
     shape: &Shape,
@@ -331,15 +331,17 @@ fn compare_options(
         case.name,
         std::process::id()
     ));
-    for fvar in FVAR_RULES {
-        *turn += 1;
+    // Rounds of 12 shapes meet every combination.
+    *turn += 1;
+    for (i, fvar) in FVAR_RULES.into_iter().enumerate() {
+        let turn = *turn + i;
         let mut case = case.clone();
         case.fvar = support::fvar_rule(fvar);
-        let boundary = ["none", "edge-only", "edge-and-corner"][*turn % 3];
+        let boundary = ["none", "edge-only", "edge-and-corner"][turn % 3];
         case.boundary = support::boundary(boundary);
-        let creases = ["uniform", "chaikin"][*turn / 3 % 2];
+        let creases = ["uniform", "chaikin"][turn / 3 % 2];
         case.options.creases = support::crease_method(creases);
-        let triangles = ["catmark", "smooth"][*turn / 6 % 2];
+        let triangles = ["catmark", "smooth"][turn / 6 % 2];
         case.options.triangles = support::triangle_rule(triangles);
         let what = format!("{} {fvar} {boundary} {creases} {triangles}", case.name);
         let flags = [
@@ -400,7 +402,7 @@ fn random_charts() {
     with_program(|program| {
         let mut tallies = ["random: control points", "random: texture coordinates"].map(Tally::new);
         let mut turn = 0;
-        for seed in 0..60 {
+        for seed in 0..120 {
             let name = format!("sheet{seed}");
             let text = random_sheet(seed);
             let cage = std::env::temp_dir()
@@ -429,7 +431,10 @@ fn random_charts() {
     });
 }
 
-/// An OBJ of 4 by 4 quads, some split into triangles, each face in one of three charts.
+/// An OBJ of 4 by 4 quads, some split into triangles. Two random lines cut it into charts, which some vertices sew together again.
+///
+/// No chart meets a vertex in several places: there the library's own answer depends on the numbering of faces under the rules none and
+/// corners-only (the first value stays, another one is taken apart), and ours is not meant to.
 fn random_sheet(seed: u64) -> String {
     use std::fmt::Write;
     let mut noise = support::Noise(seed * 7 + 1);
@@ -439,11 +444,16 @@ fn random_sheet(seed: u64) -> String {
         let p = [v % 5, v / 5, 0].map(|k| f64::from(1000 * k + pick(600)) / 1000.0);
         let _ = writeln!(out, "v {} {} {}", p[0], p[1], p[2]);
     }
-    for i in 0..75 {
+    for i in 0..100 {
         let p = [i % 5, i / 5].map(|k| f64::from(1000 * k + pick(600)) / 1000.0);
         let _ = writeln!(out, "vt {} {}", p[0], p[1]);
     }
+    let lines = [(); 2].map(|()| [pick(9) as i32 - 4, pick(9) as i32 - 4, pick(9) as i32 - 4]);
+    let sewn = [(); 25].map(|()| pick(6) == 0);
     for q in 0..16 {
+        let (x, y) = ((2 * (q % 4)) as i32 - 3, (2 * (q / 4)) as i32 - 3);
+        let side = lines.map(|[a, b, c]| u32::from(a * x + b * y > c));
+        let chart = 25 * (side[0] + 2 * side[1]);
         let a = q / 4 * 5 + q % 4;
         let quad = [a, a + 1, a + 6, a + 5];
         let faces: Vec<Vec<u32>> = if pick(5) == 0 {
@@ -455,10 +465,10 @@ fn random_sheet(seed: u64) -> String {
             vec![quad.to_vec()]
         };
         for face in faces {
-            let chart = 25 * [0, 0, 0, 1, 2][pick(5) as usize];
             out.push('f');
             for v in face {
-                let _ = write!(out, " {}/{}", v + 1, chart + v + 1);
+                let uv = if sewn[v as usize] { v } else { chart + v };
+                let _ = write!(out, " {}/{}", v + 1, uv + 1);
             }
             out.push('\n');
         }

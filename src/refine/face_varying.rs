@@ -25,7 +25,8 @@ pub enum SiblingKind {
     Crease,
     /// Copied until the sharpness within its span is gone, then a crease.
     SemiSharp,
-    /// Semi-sharp for as long as the other sibling of its vertex is.
+    /// Without sharpness of its own: a corner for as long as any edge of the vertex is semi-sharp, and then blended like the other
+    /// sibling.
     Dependent,
 }
 
@@ -300,6 +301,14 @@ impl<T: Real> FaceVarying<T> {
         let mut transition = Transition::default();
         transition.note(sigma, child_sigma);
         let mut still = child_sigma > 0.0;
+        if sibling.kind == SiblingKind::Dependent {
+            // It waits for edges on the seam too; inside its own span there are none.
+            let mut spokes = Vec::new();
+            step.incidence.spokes(t, v, &mut spokes);
+            still |= spokes
+                .iter()
+                .any(|s| is_semi_sharp(step.child_edge(s.edge)[s.end as usize]));
+        }
         let mut h = governing.first;
         while h != governing.last {
             h = t.rotate(h);
