@@ -11,6 +11,7 @@ mod edges;
 
 #[path = "common/oracle.rs"]
 mod oracle;
+#[allow(dead_code, unreachable_pub)]
 #[path = "support/points.rs"]
 mod points;
 
