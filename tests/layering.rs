@@ -32,7 +32,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("raster", &["math", "simd", "records", "dispatch"]),
     (
         "shade",
-        &["math", "simd", "records", "camera", "texture", "film"],
+        &[
+            "math", "simd", "records", "camera", "texture", "film", "dispatch",
+        ],
     ),
     ("film", &["math", "simd", "records"]),
     ("compare", &["math", "film"]),

@@ -267,7 +267,7 @@ impl Renderer {
                 ..*m
             })
             .collect();
-        let mut shader = Shader::new(self.mode, view, &solid, &scene.textures);
+        let mut shader = Shader::new(self.mode, view, &solid, &scene.textures).with_simd(self.simd);
         if let Some(material) = scene.default_material {
             shader = shader.with_default_material(material);
         }

@@ -33,7 +33,9 @@ pub(super) struct Scratch {
     hull: Vec<[f32; 3]>,
     drawn: Vec<Drawn>,
     starts: Vec<u32>,
-    order: Vec<u32>,
+    order: Vec<Visible>,
+    /// Columns of each row that show anything, first and one past the last.
+    spans: Vec<[u32; 2]>,
     surface: Vec<SurfacePoint>,
     shaded: Vec<[f32; 4]>,
     colors: Vec<[f32; 4]>,
@@ -55,6 +57,7 @@ impl Scratch {
             drawn: Vec::new(),
             starts: Vec::new(),
             order: Vec::new(),
+            spans: Vec::new(),
             surface: Vec::new(),
             shaded: Vec::new(),
             colors: Vec::new(),
@@ -196,19 +199,44 @@ fn next_rank(s: &mut Scratch) -> u32 {
     kept
 }
 
-/// Sorts the tile's visible samples by block: `order[starts[r]..starts[r + 1]]` are those of rank `r`, by counting.
+/// A visible sample: where it is in the tile, and what it shows.
+#[derive(Clone, Copy, Default)]
+struct Visible {
+    /// Column in bits 0 to 9, row in bits 10 to 19, sample of the pixel above.
+    place: u32,
+    id: u32,
+}
+
+impl Visible {
+    fn new(x: u32, y: u32, sample: u32, id: SampleId) -> Self {
+        Self {
+            place: x | y << 10 | sample << 20,
+            id: id.0,
+        }
+    }
+    fn place(self) -> [u32; 3] {
+        [self.place & 1023, self.place >> 10 & 1023, self.place >> 20]
+    }
+}
+
+/// Sorts the tile's visible samples by block: `order[starts[r]..starts[r + 1]]` are those of rank `r`, by counting. Notes for every
+/// row the columns that show anything.
 fn gather_samples(s: &mut Scratch) {
     let [width, height] = s.tile.size();
     let samples = s.tile.samples();
     s.starts.clear();
     s.starts.resize(s.drawn.len() + 2, 0);
+    s.spans.clear();
+    s.spans.resize(height as usize, [width, 0]);
     let mut count = 0_usize;
     for sample in 0..samples {
         for y in 0..height {
-            for key in s.tile.row(y, sample) {
+            let span = &mut s.spans[y as usize];
+            for (x, key) in (0..width).zip(s.tile.row(y, sample)) {
                 if let Some(id) = key.id() {
                     s.starts[id.rank() as usize + 2] += 1;
                     count += 1;
+                    *span = [span[0].min(x), span[1].max(x + 1)];
                 }
             }
         }
@@ -217,13 +245,17 @@ fn gather_samples(s: &mut Scratch) {
         s.starts[r] += s.starts[r - 1];
     }
     s.order.clear();
-    s.order.resize(count, 0);
+    s.order.resize(count, Visible::default());
     for sample in 0..samples {
         for y in 0..height {
-            for (x, key) in s.tile.row(y, sample).iter().enumerate() {
+            let [low, high] = s.spans[y as usize];
+            if low >= high {
+                continue;
+            }
+            for (x, key) in (low..high).zip(&s.tile.row(y, sample)[low as usize..high as usize]) {
                 if let Some(id) = key.id() {
                     let slot = &mut s.starts[id.rank() as usize + 1];
-                    s.order[*slot as usize] = (sample * height + y) * width + x as u32;
+                    s.order[*slot as usize] = Visible::new(x, y, sample, id);
                     *slot += 1;
                 }
             }
@@ -233,9 +265,18 @@ fn gather_samples(s: &mut Scratch) {
 
 fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
     let [width, height] = s.tile.size();
-    s.colors.clear();
+    let at = |x: u32, y: u32, sample: u32| ((sample * height + y) * width + x) as usize;
+    // Only what the spans hold is read again.
     s.colors
         .resize((width * height * s.tile.samples()) as usize, [0.0; 4]);
+    for sample in 0..s.tile.samples() {
+        for (y, &[low, high]) in (0..height).zip(&s.spans) {
+            if low < high {
+                s.colors[at(low, y, sample)..at(low, y, sample) + (high - low) as usize]
+                    .fill([0.0; 4]);
+            }
+        }
+    }
     for rank in 0..s.drawn.len() {
         let range = s.starts[rank] as usize..s.starts[rank + 1] as usize;
         if range.is_empty() {
@@ -273,12 +314,8 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         };
         s.surface.clear();
         let [x0, y0] = s.tile.origin();
-        for &at in &s.order[range.clone()] {
-            let (x, rest) = (at % width, at / width);
-            let (y, sample) = (rest % height, rest / height);
-            let Some(id) = s.tile.cell(x, y, sample).id() else {
-                continue;
-            };
+        for v in &s.order[range.clone()] {
+            let ([x, y, sample], id) = (v.place(), SampleId(v.id));
             let weights =
                 barycentrics(&s.projected, id, x0 + x, y0 + y, sample, frame.size.samples);
             s.surface.push(surface_point(
@@ -294,8 +331,9 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         s.shaded.clear();
         s.shaded.resize(s.surface.len(), [0.0; 4]);
         frame.shader.shade_all(&s.surface, &mut s.shaded);
-        for (&at, &color) in s.order[range].iter().zip(&s.shaded) {
-            s.colors[at as usize] = color;
+        for (v, &color) in s.order[range].iter().zip(&s.shaded) {
+            let [x, y, sample] = v.place();
+            s.colors[at(x, y, sample)] = color;
         }
         s.times.stop(Stage::Shade, clock);
     }
@@ -393,21 +431,34 @@ fn footprints(block: &ProjectedBlock, uvs: &Grid3, size: BlockSize, out: &mut Ve
 /// Averages samples into pixels. Returns how many pixels show something.
 fn resolve(frame: &Frame<'_>, rect: [u32; 4], s: &Scratch, pixels: &mut Vec<u8>) -> u64 {
     let samples = frame.size.samples;
-    let plane = (rect[2] * rect[3]) as usize;
-    let mut covered = 0;
-    pixels.resize(plane * 4, 0);
+    let (width, plane) = (rect[2] as usize, (rect[2] * rect[3]) as usize);
     let empty = frame.film.empty();
-    for (at, pixel) in pixels.chunks_exact_mut(4).enumerate() {
-        let mut sum = PixelSum::default();
-        for k in 0..samples as usize {
-            sum.add(s.colors[k * plane + at]);
+    pixels.resize(plane * 4, 0);
+    let mut covered = 0;
+    for (y, line) in pixels.chunks_exact_mut(width * 4).enumerate() {
+        let [low, high] = s.spans[y].map(|x| x as usize);
+        let blank = |line: &mut [u8]| {
+            line.chunks_exact_mut(4)
+                .for_each(|p| p.copy_from_slice(&empty))
+        };
+        if low >= high {
+            blank(line);
+            continue;
         }
-        let color = sum.mean(samples);
-        if color[3] > 0.0 {
-            covered += 1;
-            pixel.copy_from_slice(&frame.film.pixel(color));
-        } else {
-            pixel.copy_from_slice(&empty);
+        blank(&mut line[..low * 4]);
+        blank(&mut line[high * 4..]);
+        for (x, pixel) in (low..high).zip(line[low * 4..high * 4].chunks_exact_mut(4)) {
+            let mut sum = PixelSum::default();
+            for k in 0..samples as usize {
+                sum.add(s.colors[k * plane + y * width + x]);
+            }
+            let color = sum.mean(samples);
+            if color[3] > 0.0 {
+                covered += 1;
+                pixel.copy_from_slice(&frame.film.pixel(color));
+            } else {
+                pixel.copy_from_slice(&empty);
+            }
         }
     }
     covered

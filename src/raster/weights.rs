@@ -11,6 +11,7 @@ use crate::records::{BLOCK_STRIDE, SampleId};
 /// are not negative and sum to 1 but for rounding; the corner off the sample's half has weight 0. `x` and `y` are the pixel on the
 /// screen (not in the tile).
 #[must_use]
+#[inline]
 pub fn barycentrics(
     block: &ProjectedBlock,
     id: SampleId,
@@ -70,7 +71,7 @@ fn on_screen(v: [ScreenVertex; 3], at: [i32; 2], ortho: bool) -> [f32; 3] {
             - i64::from(b.y - a.y) * i64::from(at[0] - a.x)
     };
     let e = [edge(&v[1], &v[2]), edge(&v[2], &v[0]), edge(&v[0], &v[1])];
-    let mut w = e.map(|e| e.unsigned_abs() as f32);
+    let mut w = e.map(|e| e.abs() as f32);
     if !ortho {
         for k in 0..3 {
             w[k] *= v[k].depth;
@@ -98,7 +99,8 @@ fn homogeneous(v: [[f32; 3]; 3], at: [i32; 2]) -> [f32; 3] {
 fn normalised(w: [f32; 3]) -> [f32; 3] {
     let sum = (w[0] + w[1]) + w[2];
     if sum > 0.0 && sum.is_finite() {
-        w.map(|w| w / sum)
+        let inverse = 1.0 / sum;
+        w.map(|w| w * inverse)
     } else {
         [1.0, 0.0, 0.0]
     }

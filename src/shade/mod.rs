@@ -13,6 +13,7 @@ pub use surface::{NO_MATERIAL, SurfaceMaterial, SurfacePoint};
 use crate::camera::View;
 use crate::film::Encoding;
 use crate::math::saturate;
+use crate::simd::Level;
 use crate::texture::Texture;
 
 /// Points shaded together by [`Shader::shade_all`]. 16 fills the widest vector registers; the arrays of one group take 1 KB.
@@ -73,6 +74,7 @@ pub struct Shader<'a> {
     default: SurfaceMaterial,
     materials: &'a [SurfaceMaterial],
     textures: &'a [Texture],
+    simd: Level,
 }
 
 impl<'a> Shader<'a> {
@@ -94,7 +96,15 @@ impl<'a> Shader<'a> {
             default: SurfaceMaterial::CLAY,
             materials,
             textures,
+            simd: Level::SCALAR,
         }
+    }
+
+    /// The same shader with other vector instructions; they never change a bit.
+    #[must_use]
+    pub fn with_simd(mut self, simd: Level) -> Self {
+        self.simd = simd;
+        self
     }
 
     /// The same shader with another material for points that have none.
@@ -165,7 +175,7 @@ impl<'a> Shader<'a> {
         let mut groups = points.chunks_exact(GROUP);
         let mut outs = out.chunks_exact_mut(GROUP);
         for (points, out) in (&mut groups).zip(&mut outs) {
-            self.light_group(points, out);
+            crate::dispatch!(self.simd, self.light_group(points, out));
         }
         for (p, o) in groups.remainder().iter().zip(outs.into_remainder()) {
             *o = self.shade(p);
@@ -173,6 +183,7 @@ impl<'a> Shader<'a> {
     }
 
     /// One group under light: gather component by component, light all lanes, scatter.
+    #[inline(always)]
     fn light_group(&self, points: &[SurfacePoint], out: &mut [[f32; 4]]) {
         let mut n = [[0.0_f32; GROUP]; 3];
         let mut g = [[0.0_f32; GROUP]; 3];
