@@ -4,6 +4,7 @@ use crate::dice::face::{Channel, FacePatch, Sides};
 use crate::dice::fan_points::{FanPoints, TangentMasks};
 use crate::dice::presplit::presplit;
 use crate::dice::{DiceFault, MAX_LEVEL, Target};
+use crate::math;
 use crate::mesh::{Cage, NONE};
 use crate::records::Grid3;
 use crate::scheme::{Boundary, FaceVaryingRule};
@@ -106,6 +107,47 @@ pub struct DicedQuad {
 }
 
 impl DicedQuad {
+    /// Tangent and bitangent at every point, row by row: unit vectors in the tangent plane along which the texture's u and v grow (along
+    /// the grid's u and v where there are no texture coordinates). From central differences of the grid, made normal to the limit
+    /// normal; so they suit normal maps, and are not exact like the normals are. Mirrored texture shows as a left-handed pair.
+    #[must_use]
+    pub fn tangents(&self) -> Vec<[[f32; 3]; 2]> {
+        let n = self.side;
+        let step = |k: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
+        let mut out = Vec::with_capacity(n * n);
+        for j in 0..n {
+            for i in 0..n {
+                let ((i0, i1), (j0, j1)) = (step(i), step(j));
+                let (west, east, south, north) = (j * n + i0, j * n + i1, j0 * n + i, j1 * n + i);
+                let along = math::sub(self.points[east], self.points[west]);
+                let across = math::sub(self.points[north], self.points[south]);
+                let [a, b, c, d] = match self.uvs.is_empty() {
+                    true => [1.0, 0.0, 0.0, 1.0],
+                    false => {
+                        let uv = |k: usize| self.uvs[k];
+                        [
+                            uv(east)[0] - uv(west)[0],
+                            uv(north)[0] - uv(south)[0],
+                            uv(east)[1] - uv(west)[1],
+                            uv(north)[1] - uv(south)[1],
+                        ]
+                    }
+                };
+                // (along, across) = (T, B) · [[a, b], [c, d]]; only directions matter, so the determinant enters by its sign.
+                let sign = if a * d - b * c < 0.0 { -1.0 } else { 1.0 };
+                let mix = |p: f32, q: f32| [0, 1, 2].map(|k| (along[k] * p + across[k] * q) * sign);
+                let normal = self.normals[j * n + i];
+                let flat = |v: [f32; 3], spare: [f32; 3]| {
+                    let h = math::dot(v, normal);
+                    math::normalize([0, 1, 2].map(|k| v[k] - normal[k] * h)).unwrap_or(spare)
+                };
+                let tangent = flat(mix(d, -c), flat(along, [1.0, 0.0, 0.0]));
+                out.push([tangent, flat(mix(-b, a), math::cross(normal, tangent))]);
+            }
+        }
+        out
+    }
+
     /// Antal's triangle strips: one per row of micro-quads, each alternating between the row's upper and lower points, from column
     /// 0 on. Indices into the grid. At level 3 these are 8 strips of 18, 144 vertices in all.
     #[must_use]
@@ -489,5 +531,65 @@ impl QuadPatch {
     }
     pub(crate) fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
         self.points.block_hull(bu, bv, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet() -> Surface {
+        let corners: Vec<u32> = (0..9)
+            .flat_map(|q| [0, 1, 5, 4].map(|k| q / 3 * 4 + q % 3 + k))
+            .collect();
+        let points = (0..16)
+            .map(|k| [(k % 4) as f32, (k / 4) as f32, 0.0])
+            .collect();
+        // Texture turned by a quarter: u grows along y, v against x.
+        let uvs = (0..16)
+            .map(|k| [(k / 4) as f32, -((k % 4) as f32)])
+            .collect();
+        let cage = Cage::new(points, &[4; 9], corners.clone())
+            .and_then(|c| c.with_uvs(uvs, corners))
+            .unwrap();
+        Surface::new(cage, &SurfaceOptions::default())
+    }
+
+    #[test]
+    fn tangents_follow_the_texture() {
+        for [t, b] in sheet().dice(4, 2).tangents() {
+            let close = |a: [f32; 3], b: [f32; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-5);
+            assert!(
+                close(t, [0.0, 1.0, 0.0]) && close(b, [-1.0, 0.0, 0.0]),
+                "{t:?} {b:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn level_three_has_144_strip_vertices() {
+        let strips = sheet().dice(4, 3).strips();
+        assert_eq!(strips.len(), 8);
+        assert_eq!(strips.iter().map(Vec::len).sum::<usize>(), 144);
+        // Every micro-quad once: consecutive triples of a strip are its two triangles.
+        assert!(strips.iter().flatten().all(|&k| k < 81));
+    }
+
+    #[test]
+    fn moved_points_leave_nothing_of_the_old_ones() {
+        let mut moved = sheet();
+        let points: Vec<[f32; 3]> = (0..16)
+            .map(|k| [(k % 4) as f32, (k / 4) as f32, (k * k % 7) as f32])
+            .collect();
+        moved.update_points(&points).unwrap();
+        let corners: Vec<u32> = moved.cage().corner_vertices().to_vec();
+        let fresh = Surface::new(
+            Cage::new(points, &[4; 9], corners).unwrap(),
+            &SurfaceOptions::default(),
+        );
+        for q in 0..9 {
+            let (a, b) = (moved.dice(q, 3), fresh.dice(q, 3));
+            assert_eq!((a.points, a.normals), (b.points, b.normals));
+        }
     }
 }
