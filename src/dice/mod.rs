@@ -5,6 +5,7 @@ mod basis;
 mod edge;
 pub(crate) mod face;
 pub(crate) mod fan_points;
+mod net;
 mod point;
 pub(crate) mod presplit;
 mod regular;

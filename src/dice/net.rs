@@ -1,0 +1,202 @@
+//! Nets of control points around a quad: gathered, filled up beyond boundaries, refined, and turned to a corner's view.
+
+use super::edge::Strip;
+use super::point::P4;
+use super::window::{Near, Window, edge_point, face_point, vertex_point};
+use crate::topology::{FanRule, NONE, Topology};
+
+/// A square of control points, row by row.
+pub(super) type Net<const N: usize> = [[P4; N]; N];
+
+/// The 16 control points of a regular quad; phantoms `2a − b` stand where a boundary leaves a row or column out.
+pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
+    let at = |h: u32| P4::new(points[t.vertex(h) as usize]);
+    let mut net = [[P4::ZERO; 4]; 4];
+    // Places in walking order around the square: corner, the two points beyond the side that leaves it, the point beyond the corner.
+    const INNER: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 2), (2, 1)];
+    const BEYOND: [[(usize, usize); 2]; 4] = [
+        [(0, 1), (0, 2)],
+        [(1, 3), (2, 3)],
+        [(3, 2), (3, 1)],
+        [(2, 0), (1, 0)],
+    ];
+    const DIAGONAL: [(usize, usize); 4] = [(0, 0), (0, 3), (3, 3), (3, 0)];
+    let mut open = [false; 4];
+    for c in 0..4 {
+        let h = 4 * q + c as u32;
+        net[INNER[c].0][INNER[c].1] = at(h);
+        let twin = t.twin(h);
+        if twin == NONE {
+            open[c] = true;
+            continue;
+        }
+        let below = t.next(twin);
+        let [first, second] = BEYOND[c];
+        net[first.0][first.1] = at(t.next(below));
+        net[second.0][second.1] = at(t.prev(twin));
+        let diagonal = t.rotate_back(below);
+        if diagonal != NONE {
+            net[DIAGONAL[c].0][DIAGONAL[c].1] = at(t.next(t.next(diagonal)));
+        }
+    }
+    fill_phantoms(&mut net, open);
+    net
+}
+
+/// Fills the rows and columns beyond the sides that are open; columns first, so that at a corner of two open sides both agree.
+pub(super) fn fill_phantoms<const N: usize>(net: &mut Net<N>, open: [bool; 4]) {
+    let last = N - 1;
+    for row in net.iter_mut() {
+        if open[3] {
+            row[0] = P4::beyond(row[1], row[2]);
+        }
+        if open[1] {
+            row[last] = P4::beyond(row[last - 1], row[last - 2]);
+        }
+    }
+    if open[0] {
+        net[0] = std::array::from_fn(|c| P4::beyond(net[1][c], net[2][c]));
+    }
+    if open[2] {
+        net[last] = std::array::from_fn(|c| P4::beyond(net[last - 1][c], net[last - 2][c]));
+    }
+}
+
+/// The strip along side `c` of a regular net, in walking direction.
+pub(super) fn side_strip(net: &Net<4>, c: usize) -> Strip {
+    let n = turn(net, c);
+    Strip {
+        l: n[2],
+        c: n[1],
+        r: n[0],
+    }
+}
+
+/// The net seen from corner `c`: its outgoing side becomes the bottom row.
+pub(super) fn turn<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
+    let m = N - 1;
+    std::array::from_fn(|t| {
+        std::array::from_fn(|s| match c {
+            0 => net[t][s],
+            1 => net[s][m - t],
+            2 => net[m - t][m - s],
+            _ => net[m - s][t],
+        })
+    })
+}
+
+/// Inverse of [`turn`].
+pub(super) fn turn_back<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
+    turn(net, (4 - c) % 4)
+}
+
+/// Grid origin of a square that lies at `place` seen from corner `c`.
+pub(super) fn corner_origin(c: usize, [s, t]: [u32; 2], size: u32, n: u32) -> [u32; 2] {
+    match c {
+        0 => [s, t],
+        1 => [n - t - size, s],
+        2 => [n - s - size, n - t - size],
+        _ => [t, n - s - size],
+    }
+}
+
+/// What a regular vertex becomes in one step.
+pub(super) fn regular_vertex(w: &Window, rule: FanRule) -> P4 {
+    match rule {
+        FanRule::Corner => w.v,
+        FanRule::Crease => {
+            let (a, b) = if w.has(1) {
+                (w.e(0), w.e(2))
+            } else {
+                (w.e(-1), w.e(1))
+            };
+            w.v * 0.75 + (a + b) * 0.125
+        }
+        FanRule::Smooth => vertex_point([
+            [w.f(1), w.e(1), w.f(0)],
+            [w.e(2), w.v, w.e(0)],
+            [w.f(-2), w.e(-1), w.f(-1)],
+        ]),
+    }
+}
+
+/// The 5×5 net after one step around a quad, from the windows of its corners at depth 1. Points beyond irregular corners stay zero.
+pub(super) fn once_refined(w: &[Near; 4], regular: [bool; 4]) -> Net<5> {
+    let mut net = [[P4::ZERO; 5]; 5];
+    net[2][2] = w[0].f(0);
+    let mut open = [false; 4];
+    for c in 0..4 {
+        // Seen from corner c, written back to the face's own places.
+        let mut put = |row: usize, col: usize, p: P4| {
+            let (r, k) = match c {
+                0 => (row, col),
+                1 => (col, 4 - row),
+                2 => (4 - row, 4 - col),
+                _ => (4 - col, row),
+            };
+            net[r][k] = p;
+        };
+        put(1, 1, w[c].v);
+        put(1, 2, w[c].e(0));
+        if w[c].has(-1) {
+            put(0, 1, w[c].e(-1));
+            put(0, 2, w[c].f(-1));
+        } else {
+            open[c] = true;
+        }
+        if w[c].has(1) {
+            put(1, 0, w[c].e(2));
+        }
+        if regular[c] && w[c].has(-1) && w[c].has(1) && w[c].has(2) {
+            put(0, 0, w[c].f(2));
+        }
+    }
+    fill_phantoms(&mut net, open);
+    net
+}
+
+/// One step of the net around an irregular corner at `node[1][1]`; `w` is the corner's window after the step.
+pub(super) fn refine_node(node: &Net<4>, w: &Near) -> Net<5> {
+    let n = node;
+    let mut out = [[P4::ZERO; 5]; 5];
+    let face = |r: usize, c: usize| face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c]);
+    let vertex = |r: usize, c: usize| {
+        vertex_point(std::array::from_fn(|i| {
+            std::array::from_fn(|k| n[r + i - 1][c + k - 1])
+        }))
+    };
+    // Edge points: along a row between columns c and c + 1, along a column between rows r and r + 1.
+    let across = |r: usize, c: usize| edge_point(n[r][c], n[r][c + 1], face(r - 1, c), face(r, c));
+    let along = |r: usize, c: usize| edge_point(n[r][c], n[r + 1][c], face(r, c - 1), face(r, c));
+    out[1][1] = w.v;
+    out[1][2] = w.e(0);
+    out[2][2] = w.f(0);
+    out[2][1] = w.e(1);
+    let (left, below) = (w.has(1), w.has(-1));
+    if left {
+        out[2][0] = w.f(1);
+        out[1][0] = w.e(2);
+    }
+    if below {
+        out[0][1] = w.e(-1);
+        out[0][2] = w.f(-1);
+    }
+    out[1][3] = vertex(1, 2);
+    out[3][3] = vertex(2, 2);
+    out[3][1] = vertex(2, 1);
+    out[2][3] = along(1, 2);
+    out[3][2] = across(2, 1);
+    out[1][4] = across(1, 2);
+    out[3][4] = across(2, 2);
+    out[4][1] = along(2, 1);
+    out[4][3] = along(2, 2);
+    out[2][4] = face(1, 2);
+    out[4][2] = face(2, 1);
+    out[4][4] = face(2, 2);
+    out[0][3] = along(0, 2);
+    out[0][4] = face(0, 2);
+    out[3][0] = across(2, 0);
+    out[4][0] = face(2, 0);
+    fill_phantoms(&mut out, [!below, false, false, !left]);
+    out
+}
