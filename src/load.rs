@@ -63,17 +63,17 @@ pub enum LoadError {
 /// About how many bytes a surface takes at its peak, while it is being connected: rounded up from measurements.
 fn surface_bytes(cage: &Cage) -> u128 {
     let corners = cage.corner_vertices.len() as u128;
-    let vertices = cage.points.len() as u128;
-    let quads = corners == 4 * cage.face_count() as u128;
+    let values = (cage.points.len() + cage.uvs.len() + cage.colors.len()) as u128;
+    let quads = cage.face_offsets.windows(2).all(|w| w[1] - w[0] == 4);
     let per_corner = if quads { PER_CORNER } else { PER_CORNER * 8 };
     let channels = 1 + u128::from(!cage.corner_uvs.is_empty());
-    (corners * per_corner + vertices * PER_VERTEX) * channels
+    corners * per_corner * channels + values * PER_VERTEX
 }
 
 /// Bytes per corner of a cage of quads. Others are split into four times as many, and are held beside.
 const PER_CORNER: u128 = 26;
-/// Bytes per vertex.
-const PER_VERTEX: u128 = 40;
+/// Bytes per vertex, texture coordinate or vertex colour.
+const PER_VERTEX: u128 = 80;
 
 /// Loads scenes model by model.
 #[derive(Debug)]

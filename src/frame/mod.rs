@@ -186,6 +186,19 @@ impl<'a> Frame<'a> {
     }
 }
 
+/// Bytes that binning takes: every item once for each tile that it touches, twice while chunks are joined, and the chunks' own tables.
+fn bin_bytes(boxes: &[Option<PixelBox>], grid: &TileGrid, side: u32) -> u128 {
+    let span = |b: &PixelBox, k: usize| {
+        u128::from(b.high[k].max(1) - 1).div_euclid(side.into()) - u128::from(b.low[k] / side) + 1
+    };
+    let entries: u128 = boxes
+        .iter()
+        .flatten()
+        .map(|b| span(b, 0) * span(b, 1))
+        .sum();
+    8 * entries + 8 * grid.len() as u128 * (boxes.len() / 4096 + 1) as u128
+}
+
 impl Renderer {
     /// A renderer with the defaults of the command line: 4 samples, limit surface, lit, transparent background.
     #[must_use]
@@ -293,6 +306,10 @@ impl Renderer {
         let begin = Instant::now();
         let boxes = self.setup(&frame, item_count)?;
         stats.wall[0] = begin.elapsed();
+        self.limits.memory(
+            "the bins of the tiles",
+            bin_bytes(&boxes, &frame.grid, tile_side(self.size.samples)),
+        )?;
         let begin = Instant::now();
         frame.bins = Bins::new(&frame.grid, &boxes);
         drop(boxes);

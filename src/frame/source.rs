@@ -24,6 +24,17 @@ pub enum Drawing {
     Cage,
 }
 
+/// Replaces points by the corners of their box, whose hull is larger but quickly cut by the near plane.
+fn box_corners(points: &mut Vec<[f32; 3]>) {
+    let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for p in points.iter() {
+        lo = [0, 1, 2].map(|k| lo[k].min(p[k]));
+        hi = [0, 1, 2].map(|k| hi[k].max(p[k]));
+    }
+    points.clear();
+    points.extend((0..8).map(|c| [0, 1, 2].map(|k| if c >> k & 1 == 0 { lo[k] } else { hi[k] })));
+}
+
 /// One object with its level, ready to give blocks.
 pub(super) struct Source<'a> {
     pub(super) object: &'a Object,
@@ -207,6 +218,9 @@ impl<'a> Source<'a> {
                     .iter()
                     .map(|&v| cage.points[v as usize]),
             );
+            if out.len() > 64 {
+                box_corners(out);
+            }
         } else if self.is_polygonal() {
             out.extend(self.polygon(item).map(|h| self.corner_point(h)));
         } else {

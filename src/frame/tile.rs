@@ -74,7 +74,6 @@ impl Scratch {
     /// Drops what belongs to the scene of one frame; the next may have other points.
     pub(super) fn forget_scene(&mut self) {
         self.source.forget();
-        self.layers = None;
     }
 }
 

@@ -153,7 +153,7 @@ fn set_rules(t: &mut Topology, base: &Topology, rule: FaceVaryingRule, boundary:
                 || short
                 || torn
                 || single
-                || repeated.contains(&t.fan_vertex(fan));
+                || repeated.binary_search(&t.fan_vertex(fan)).is_ok();
             t.fans[fan as usize].rule = if corner {
                 FanRule::Corner
             } else {

@@ -5,7 +5,7 @@
 //! * an edge used by three or more faces, by two faces in the same direction, or from a vertex to itself has no twins; it is an
 //!   infinitely sharp edge of every face that uses it;
 //! * a vertex at such an edge, or with several fans of faces, is an infinitely sharp corner in each of its fans, unless it has just
-//!   two such edges and no other boundary: then the two make a crease through it;
+//!   two such edges, no other boundary, and every fan runs from the one edge to the other: then the two make a crease through it;
 //! * a vertex with one face is a corner under [`Boundary::EdgeAndCorner`].
 
 use super::{Fan, FanRule, NONE, Topology};
@@ -361,6 +361,21 @@ fn make_fans(
         several[v as usize] = true;
     }
     let vertex_of: Vec<u32> = (0..t.fans.len() as u32).map(|f| t.fan_vertex(f)).collect();
+    // Two odd edges carry a crease through the vertex only if every fan runs from the one to the other.
+    let mut through: Vec<bool> = (0..odd_edges.len())
+        .map(|v| odd_edges[v] == 2 && !plain_boundary[v])
+        .collect();
+    for (fan, &v) in t.fans.iter().zip(&vertex_of) {
+        if fan.first == NONE || !through.get(v as usize).copied().unwrap_or(false) {
+            continue;
+        }
+        let last = super::Ring::from_half(t, fan.first)
+            .last()
+            .unwrap_or(fan.first);
+        if fan.closed || t.edge(fan.first) == t.edge(t.prev(last)) {
+            through[v as usize] = false;
+        }
+    }
     let mut sharp = Vec::new();
     for (fan, &v) in t.fans.iter_mut().zip(&vertex_of) {
         if fan.first == NONE {
@@ -368,10 +383,10 @@ fn make_fans(
         }
         let v = v as usize;
         let odd = odd_edges.get(v).copied().unwrap_or(0);
-        let through = odd == 2 && !plain_boundary[v];
+        let through = through.get(v).copied().unwrap_or(false);
         let bow_tie = several.get(v).copied().unwrap_or(false);
         let torn = (odd > 0 && !through) || (bow_tie && odd == 0);
-        let tip = fan.faces == 1 && !fan.closed && boundary == Boundary::EdgeAndCorner;
+        let tip = corners[v] == 1 && !fan.closed && boundary == Boundary::EdgeAndCorner;
         if torn || tip {
             fan.rule = FanRule::Corner;
             sharp.push(v);
@@ -425,7 +440,6 @@ fn apply_tags(
     kinds: &[u8],
     warnings: &mut Vec<TopologyWarning>,
 ) {
-    // Boundary rule none: every face at a vertex with a boundary edge of less than infinite user sharpness becomes a hole.
     if !options.creases.is_empty() {
         t.edge_sharpness = vec![0.0; kinds.len()];
         let mut missing = (0, [0; 2]);
@@ -455,6 +469,7 @@ fn apply_tags(
             }
         }
     }
+    // Boundary rule none: every face at a vertex with a boundary edge of less than infinite user sharpness becomes a hole.
     if options.boundary == Boundary::None {
         let mut cut = vec![false; t.vertex_count];
         for (e, &kind) in kinds.iter().enumerate() {
@@ -502,4 +517,43 @@ pub fn find_edge(t: &Topology, ends: [u32; 2]) -> Option<u32> {
         .binary_search_by_key(&wanted, key)
         .ok()
         .map(|e| e as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rules(faces: &[&[u32]], vertex: u32) -> Vec<FanRule> {
+        let mut offsets = vec![0];
+        for f in faces {
+            offsets.push(offsets.last().unwrap() + f.len() as u32);
+        }
+        let (t, _) = connect(8, &offsets, faces.concat(), &ConnectOptions::default());
+        let of = (0..t.fans().len() as u32)
+            .filter(|&f| t.fan_vertex(f) == vertex && t.fans()[f as usize].first != NONE);
+        of.map(|f| t.fans()[f as usize].rule).collect()
+    }
+
+    #[test]
+    fn all_fans_of_a_vertex_on_a_crease_between_flipped_faces_share_its_rule() {
+        // A single face and a pair of faces meet at vertex 0 along the flipped edges 0-1 and 0-2.
+        let rules = rules(&[&[0, 1, 3, 2], &[0, 1, 4, 5], &[0, 5, 6, 2]], 0);
+        assert_eq!(rules, [FanRule::Crease; 2]);
+    }
+
+    #[test]
+    fn a_fan_that_begins_and_ends_at_the_same_odd_edge_makes_its_vertex_a_corner() {
+        // Two sheets and a cone all use edge 0-1; the cone's fan runs from that edge back to it.
+        let rules = rules(
+            &[
+                &[0, 1, 5, 2],
+                &[0, 1, 6, 2],
+                &[0, 1, 3],
+                &[0, 3, 4],
+                &[0, 4, 1],
+            ],
+            0,
+        );
+        assert!(rules.iter().all(|r| *r == FanRule::Corner), "{rules:?}");
+    }
 }

@@ -20,7 +20,7 @@
 
 use super::{NONE, Ring, Topology};
 
-/// Buffers that the per-quad path and the GPU read.
+/// The buffers, for engines and GPUs; on the CPU the dicing code walks the same rings in the connectivity itself.
 #[derive(Clone, Debug, Default)]
 pub struct Ears {
     /// Four vertices per quad, cyclic.

@@ -63,7 +63,7 @@ impl Fan {
         match self.rule {
             FanRule::Smooth => self.faces == 4,
             FanRule::Crease => self.faces == 2,
-            FanRule::Corner => self.faces == 1,
+            FanRule::Corner => self.faces == 1 && !self.closed,
         }
     }
 }
