@@ -152,8 +152,10 @@ fn smooth_shapes_agree_with_whole_mesh_refinement() {
             );
             // Folded sheets have no normal at the fold; what stands there is free.
             let folded = common::name(path).starts_with("catmark_val2");
+            // Micro-edges halve per level while the rounding of single precision stays: the deepest levels get twice the room.
+            let bound = if level <= 4 { 0.05 } else { 0.1 };
             assert!(
-                folded || worst.normal <= 0.1,
+                folded || worst.normal <= bound,
                 "{} at level {level}: {worst:?}",
                 path.display()
             );
