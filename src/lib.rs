@@ -42,6 +42,7 @@
 
 pub mod camera;
 pub mod compare;
+pub(crate) mod control;
 pub mod dice;
 pub mod files;
 pub mod film;

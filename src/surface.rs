@@ -1,65 +1,41 @@
 //! The subdivision surface of a cage: topology once, points as often as they move.
 
-use crate::dice::face::{Channel, FacePatch, Sides};
-use crate::dice::fan_points::{FanPoints, TangentMasks};
+mod diced;
+mod mesh;
+mod patch;
+
+use crate::control::{ControlTree, Kind, TreeChannel};
+use crate::dice::control::Descend;
+use crate::dice::face::{Channel, FacePatch};
+use crate::dice::fan_points::FanPoints;
 use crate::dice::presplit::presplit;
-use crate::dice::{DiceFault, MAX_LEVEL, Target};
-use crate::math;
+use crate::dice::{DiceFault, MAX_LEVEL};
 use crate::mesh::{Cage, NONE};
 use crate::records::Grid3;
-use crate::scheme::{Boundary, FaceVaryingRule};
+use crate::refine;
+use crate::scheme::{Boundary, CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
 use crate::simd::Level;
 use crate::topology::channel::connect_channel;
 use crate::topology::ears::Ears;
-use crate::topology::split::{Split, split};
 use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
+use mesh::QuadMesh;
+
+pub use diced::DicedQuad;
+pub(crate) use patch::QuadPatch;
 
 /// How a cage is read as a surface. What is `None` comes from the cage's tags, else from the defaults.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SurfaceOptions {
+    /// Subdivision scheme; default Catmull-Clark.
+    pub scheme: Scheme,
+    /// Decay of semi-sharp creases; default uniform.
+    pub creases: Option<CreaseMethod>,
+    /// Weights beside triangles; default Catmull-Clark's own.
+    pub triangles: Option<TriangleRule>,
     /// Boundary rule; default edge-and-corner.
     pub boundary: Option<Boundary>,
     /// Face-varying rule; default corners-plus1.
     pub face_varying: Option<FaceVaryingRule>,
-}
-
-/// One polygon mesh as quads: itself, or its first Catmull-Clark step.
-#[derive(Clone, Debug)]
-struct QuadMesh {
-    base: Topology,
-    split: Option<Split>,
-    masks: TangentMasks,
-    /// Points of the quads, by vertex.
-    points: Vec<[f32; 3]>,
-    fans: FanPoints,
-}
-
-impl QuadMesh {
-    fn new(base: Topology, points: &[[f32; 3]], normals: bool) -> Self {
-        let split = (!base.all_quads()).then(|| split(&base));
-        let masks = TangentMasks::new(split.as_ref().map_or(&base, |s| &s.topology));
-        let mut mesh = Self {
-            base,
-            split,
-            masks,
-            points: Vec::new(),
-            fans: FanPoints::default(),
-        };
-        mesh.update(points, normals);
-        mesh
-    }
-
-    fn quads(&self) -> &Topology {
-        self.split.as_ref().map_or(&self.base, |s| &s.topology)
-    }
-
-    fn update(&mut self, points: &[[f32; 3]], normals: bool) {
-        self.points = match &self.split {
-            Some(split) => presplit(&self.base, split, points),
-            None => points.to_vec(),
-        };
-        self.fans = FanPoints::new(self.quads(), &self.masks, &self.points, None, normals);
-    }
 }
 
 /// Values at the vertices, refined like the points: same topology, other numbers.
@@ -67,6 +43,17 @@ impl QuadMesh {
 struct VertexChannel {
     points: Vec<[f32; 3]>,
     fans: FanPoints,
+}
+
+/// Fans of control points after some steps, for every control level.
+#[derive(Clone, Debug)]
+pub(crate) struct RefinedFans(Vec<FanPoints>);
+
+impl RefinedFans {
+    /// The point of a fan of the quads.
+    pub(crate) fn point(&self, fan: u32) -> [f32; 3] {
+        self.0[0].limits[fan as usize]
+    }
 }
 
 /// A subdivision surface, ready to be diced and drawn.
@@ -86,77 +73,16 @@ struct VertexChannel {
 #[derive(Clone, Debug)]
 pub struct Surface {
     cage: Cage,
+    options: SurfaceOptions,
+    /// The cage's connectivity, and its channels unless a control tree holds them.
     mesh: QuadMesh,
     uv: Option<QuadMesh>,
-    linear_uv: bool,
     colors: Option<VertexChannel>,
+    /// All channels of a cage with creases or corners.
+    control: Option<Box<ControlTree>>,
+    linear: bool,
+    linear_uv: bool,
     warnings: Vec<TopologyWarning>,
-}
-
-/// Points of one quad of the surface's quad mesh on a grid, row by row: `side` points along u, then the next v.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct DicedQuad {
-    /// Points along each side.
-    pub side: usize,
-    /// Limit points, or control points of the level.
-    pub points: Vec<[f32; 3]>,
-    /// Unit limit normals.
-    pub normals: Vec<[f32; 3]>,
-    /// Texture coordinates; empty without.
-    pub uvs: Vec<[f32; 2]>,
-}
-
-impl DicedQuad {
-    /// Tangent and bitangent at every point, row by row: unit vectors in the tangent plane along which the texture's u and v grow (along
-    /// the grid's u and v where there are no texture coordinates). From central differences of the grid, made normal to the limit
-    /// normal; so they suit normal maps, and are not exact like the normals are. Mirrored texture shows as a left-handed pair.
-    #[must_use]
-    pub fn tangents(&self) -> Vec<[[f32; 3]; 2]> {
-        let n = self.side;
-        let step = |k: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
-        let mut out = Vec::with_capacity(n * n);
-        for j in 0..n {
-            for i in 0..n {
-                let ((i0, i1), (j0, j1)) = (step(i), step(j));
-                let (west, east, south, north) = (j * n + i0, j * n + i1, j0 * n + i, j1 * n + i);
-                let along = math::sub(self.points[east], self.points[west]);
-                let across = math::sub(self.points[north], self.points[south]);
-                let [a, b, c, d] = match self.uvs.is_empty() {
-                    true => [1.0, 0.0, 0.0, 1.0],
-                    false => {
-                        let uv = |k: usize| self.uvs[k];
-                        [
-                            uv(east)[0] - uv(west)[0],
-                            uv(north)[0] - uv(south)[0],
-                            uv(east)[1] - uv(west)[1],
-                            uv(north)[1] - uv(south)[1],
-                        ]
-                    }
-                };
-                // (along, across) = (T, B) · [[a, b], [c, d]]; only directions matter, so the determinant enters by its sign.
-                let sign = if a * d - b * c < 0.0 { -1.0 } else { 1.0 };
-                let mix = |p: f32, q: f32| [0, 1, 2].map(|k| (along[k] * p + across[k] * q) * sign);
-                let normal = self.normals[j * n + i];
-                let flat = |v: [f32; 3], spare: [f32; 3]| {
-                    let h = math::dot(v, normal);
-                    math::normalize([0, 1, 2].map(|k| v[k] - normal[k] * h)).unwrap_or(spare)
-                };
-                let tangent = flat(mix(d, -c), flat(along, [1.0, 0.0, 0.0]));
-                out.push([tangent, flat(mix(-b, a), math::cross(normal, tangent))]);
-            }
-        }
-        out
-    }
-
-    /// Antal's triangle strips: one per row of micro-quads, each alternating between the row's upper and lower points, from column
-    /// 0 on. Indices into the grid. At level 3 these are 8 strips of 18, 144 vertices in all.
-    #[must_use]
-    pub fn strips(&self) -> Vec<Vec<u32>> {
-        let n = self.side as u32;
-        (0..n - 1)
-            .map(|j| (0..n).flat_map(|i| [(j + 1) * n + i, j * n + i]).collect())
-            .collect()
-    }
 }
 
 impl Surface {
@@ -164,24 +90,47 @@ impl Surface {
     /// [`Surface::warnings`].
     #[must_use]
     pub fn new(cage: Cage, options: &SurfaceOptions) -> Self {
-        let boundary = options.boundary.or(cage.tags.boundary).unwrap_or_default();
-        let connect_options = ConnectOptions {
-            boundary,
-            creases: &cage.tags.creases,
-            corners: &[],
-            holes: &cage.tags.holes,
-        };
+        let tags = &cage.tags;
+        let boundary = options.boundary.or(tags.boundary).unwrap_or_default();
         let (base, warnings) = connect(
             cage.points.len(),
             &cage.face_offsets,
             cage.corner_vertices.clone(),
-            &connect_options,
+            &ConnectOptions {
+                boundary,
+                creases: &tags.creases,
+                corners: &tags.corners,
+                holes: &tags.holes,
+            },
         );
         let rule = options
             .face_varying
-            .or(cage.tags.face_varying)
+            .or(tags.face_varying)
             .unwrap_or_default();
-        let uv = (!cage.corner_uvs.is_empty()).then(|| {
+        let linear = options.scheme == Scheme::Bilinear;
+        let mut surface = Self {
+            options: *options,
+            mesh: QuadMesh::bare(base),
+            uv: None,
+            colors: None,
+            control: None,
+            linear,
+            linear_uv: linear || rule == FaceVaryingRule::All,
+            warnings,
+            cage,
+        };
+        surface.control = surface.control_tree(rule).map(Box::new);
+        if surface.control.is_none() {
+            surface.make_channels(rule, boundary);
+        }
+        surface
+    }
+
+    /// Channels of a cage without creases.
+    fn make_channels(&mut self, rule: FaceVaryingRule, boundary: Boundary) {
+        let (cage, linear) = (&self.cage, self.linear);
+        let base = std::mem::take(&mut self.mesh.base);
+        self.uv = (!cage.corner_uvs.is_empty()).then(|| {
             // Corners without a value share one more, at the origin.
             let missing = cage.uvs.len() as u32;
             let values: Vec<u32> = cage
@@ -190,25 +139,120 @@ impl Surface {
                 .map(|&i| if i == NONE { missing } else { i })
                 .collect();
             let topology = connect_channel(&base, values, cage.uvs.len() + 1, rule, boundary);
-            QuadMesh::new(topology, &uv_points(&cage), false)
+            QuadMesh::new(topology, &uv_points(cage), false, linear)
         });
-        let mesh = QuadMesh::new(base, &cage.points, true);
-        let colors = (!cage.colors.is_empty()).then(|| {
+        let mesh = QuadMesh::new(base, &cage.points, true, linear);
+        self.colors = (!cage.colors.is_empty()).then(|| {
             let points = match &mesh.split {
-                Some(split) => presplit(&mesh.base, split, &cage.colors),
+                Some(split) => presplit(&mesh.base, split, &cage.colors, linear),
                 None => cage.colors.clone(),
             };
-            let fans = FanPoints::new(mesh.quads(), &mesh.masks, &points, None, false);
+            let fans = mesh.fans_of(&points, None, false);
             VertexChannel { points, fans }
         });
-        Self {
-            colors,
-            mesh,
-            uv,
-            linear_uv: rule == FaceVaryingRule::All,
-            warnings,
-            cage,
+        self.mesh = mesh;
+    }
+
+    /// The control tree of a cage whose sharpness or triangle rule asks for one.
+    fn control_tree(&self, rule: FaceVaryingRule) -> Option<ControlTree> {
+        let (cage, base) = (&self.cage, &self.mesh.base);
+        let options = self.refine_options();
+        let tagged = !base.edge_sharpness.is_empty()
+            || cage.tags.corners.iter().any(|c| c.sharpness > 0.0)
+            || (options.triangles == TriangleRule::Smooth && !base.all_quads());
+        if self.linear || !tagged {
+            return None;
         }
+        let level = refine::Level::of_cage(cage, base.clone(), options.scheme, rule).ok()?;
+        if base.all_quads() {
+            return Some(ControlTree::new(level, cage.colors.clone(), options));
+        }
+        let mut timings = refine::Timings::default();
+        let quads = level.next(&options, &mut timings).ok()?;
+        let colors = match cage.colors.is_empty() {
+            true => Vec::new(),
+            false => {
+                let colors = refine::Level::new(base.clone(), cage.colors.clone()).ok()?;
+                colors.next(&options, &mut timings).ok()?.points
+            }
+        };
+        // Children keep the directions of a quad they come from; here their first corner is their parent's corner.
+        let first = |h: u32| refine::connectivity::child_corner(base, h, 0) & 3;
+        let turned: Vec<(u32, u32)> = (0..base.half_count() as u32)
+            .map(|h| (h, first(h)))
+            .collect();
+        let part = quads.part(&turned);
+        let colors = match colors.is_empty() {
+            true => colors,
+            false => part.vertices.iter().map(|&v| colors[v as usize]).collect(),
+        };
+        Some(ControlTree::new(part.level, colors, options))
+    }
+
+    /// The rules by which the cage is refined: options, else its tags, else defaults.
+    #[must_use]
+    pub fn refine_options(&self) -> refine::Options {
+        let (options, tags) = (&self.options, &self.cage.tags);
+        refine::Options {
+            scheme: options.scheme,
+            creases: options.creases.or(tags.crease_method).unwrap_or_default(),
+            triangles: options.triangles.or(tags.triangles).unwrap_or_default(),
+        }
+    }
+
+    /// Makes what dicing at `level` of the quads needs. To be called once, before threads dice.
+    pub(crate) fn ensure(&self, level: u32) {
+        if let Some(control) = &self.control {
+            control.ensure(level);
+        }
+    }
+
+    /// The control levels below a channel.
+    pub(crate) fn below<'a>(
+        &'a self,
+        kind: Kind,
+        level: u32,
+        refined: Option<&'a RefinedFans>,
+    ) -> Option<TreeChannel<'a>> {
+        let control = self.control.as_deref()?;
+        Some(control.channel(kind, level, refined.map(|r| r.0.as_slice())))
+    }
+
+    /// A channel of the quads, if the surface has it.
+    pub(crate) fn channel<'a>(
+        &'a self,
+        kind: Kind,
+        below: Option<&'a TreeChannel<'a>>,
+    ) -> Option<Channel<'a>> {
+        let below = below.map(|b| b as &dyn Descend);
+        if let Some(control) = &self.control {
+            let mesh = control.root(kind)?;
+            return Some(Channel {
+                topology: &mesh.topology,
+                points: &mesh.points,
+                fans: &mesh.fans,
+                below,
+                linear: false,
+            });
+        }
+        let (mesh, points, fans) = match kind {
+            Kind::Points => (&self.mesh, &self.mesh.points, &self.mesh.fans),
+            Kind::Uvs => {
+                let uv = self.uv.as_ref()?;
+                (uv, &uv.points, &uv.fans)
+            }
+            Kind::Colors => {
+                let colors = self.colors.as_ref()?;
+                (&self.mesh, &colors.points, &colors.fans)
+            }
+        };
+        Some(Channel {
+            topology: mesh.quads(),
+            points,
+            fans,
+            below: None,
+            linear: self.linear,
+        })
     }
 
     /// Moves the cage's points; topology stays.
@@ -228,7 +272,12 @@ impl Surface {
             return Err(CageError::NotFinite { vertex });
         }
         self.cage.points.copy_from_slice(points);
-        self.mesh.update(points, true);
+        if self.control.is_some() {
+            let rule = self.options.face_varying.or(self.cage.tags.face_varying);
+            self.control = self.control_tree(rule.unwrap_or_default()).map(Box::new);
+        } else {
+            self.mesh.update(points, true);
+        }
         Ok(())
     }
 
@@ -250,12 +299,15 @@ impl Surface {
     /// The quads that are diced: the cage's own, or those of its first step where it has other polygons.
     #[must_use]
     pub fn quads(&self) -> &Topology {
-        self.mesh.quads()
+        match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
+            Some(root) => &root.topology,
+            None => self.mesh.quads(),
+        }
     }
     /// Whether the quads are those of the first step; a level of the cage is then one less of the quads.
     #[must_use]
     pub fn is_split(&self) -> bool {
-        self.mesh.split.is_some()
+        !self.mesh.base.all_quads()
     }
     /// Face of the cage that quad `q` belongs to.
     #[must_use]
@@ -269,7 +321,7 @@ impl Surface {
     /// Whether the cage has texture coordinates.
     #[must_use]
     pub fn has_uvs(&self) -> bool {
-        self.uv.is_some()
+        !self.cage.corner_uvs.is_empty()
     }
     /// Points of the cage, as they are now.
     #[must_use]
@@ -279,7 +331,10 @@ impl Surface {
     /// Points of the quad mesh, by vertex.
     #[must_use]
     pub fn control_points(&self) -> &[[f32; 3]] {
-        &self.mesh.points
+        match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
+            Some(root) => &root.points,
+            None => &self.mesh.points,
+        }
     }
     /// The ears of the quads, in the layout of the published buffers.
     #[must_use]
@@ -289,10 +344,11 @@ impl Surface {
     /// Limit points and unit normals at the vertices of fan `fan` of the quad mesh.
     #[must_use]
     pub fn fan_limit(&self, fan: u32) -> ([f32; 3], [f32; 3]) {
-        (
-            self.mesh.fans.limits[fan as usize],
-            self.mesh.fans.normals[fan as usize],
-        )
+        let fans = match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
+            Some(root) => &root.fans,
+            None => &self.mesh.fans,
+        };
+        (fans.limits[fan as usize], fans.normals[fan as usize])
     }
 
     /// Dices quad `q` of [`Surface::quads`] on a grid of `2^level + 1` points along each side.
@@ -327,11 +383,12 @@ impl Surface {
         q: u32,
         level: u32,
         fault: DiceFault,
-        refined: Option<&FanPoints>,
+        refined: Option<&RefinedFans>,
     ) -> DicedQuad {
         assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
+        self.ensure(level);
         let mut patch = QuadPatch::default();
-        patch.points.fault = fault;
+        patch.set_fault(fault);
         patch.set_simd(Level::detect());
         patch.prepare(self, q, level, refined);
         let side = (1_usize << level) + 1;
@@ -342,7 +399,7 @@ impl Surface {
         out.points.resize(side * side, [0.0; 3]);
         out.normals.resize(side * side, [0.0; 3]);
         let (mut points, mut normals) = (Grid3::boxed(), Grid3::boxed());
-        let mut uvs = self.uv.is_some().then(|| {
+        let mut uvs = self.has_uvs().then(|| {
             out.uvs.resize(side * side, [0.0; 2]);
             Grid3::boxed()
         });
@@ -372,25 +429,29 @@ impl Surface {
 
     /// Limit of the texture coordinates at corner `h` of the quad mesh.
     pub(crate) fn uv_limit(&self, h: u32) -> Option<[f32; 3]> {
-        let uv = self.uv.as_ref()?;
-        Some(uv.fans.limits[uv.quads().fan(h) as usize])
+        self.corner_limit(Kind::Uvs, h)
     }
 
     /// Limit of the vertex colours at corner `h` of the quad mesh.
     pub(crate) fn color_limit(&self, h: u32) -> Option<[f32; 3]> {
-        let colors = self.colors.as_ref()?;
-        Some(colors.fans.limits[self.quads().fan(h) as usize])
+        self.corner_limit(Kind::Colors, h)
+    }
+
+    fn corner_limit(&self, kind: Kind, h: u32) -> Option<[f32; 3]> {
+        let channel = self.channel(kind, None)?;
+        Some(channel.fans.limits[channel.topology.fan(h) as usize])
     }
 
     /// Fans for another target than the limit: control points after `level` steps of the quad mesh.
-    pub(crate) fn refined_fans(&self, level: u32) -> FanPoints {
-        FanPoints::new(
-            self.quads(),
-            &self.mesh.masks,
-            &self.mesh.points,
-            Some(level),
-            true,
-        )
+    pub(crate) fn refined_fans(&self, level: u32) -> RefinedFans {
+        RefinedFans(match &self.control {
+            Some(control) => control.refined(level),
+            None => {
+                let mut fans = self.mesh.fans_of(&self.mesh.points, Some(level), false);
+                fans.normals.clone_from(&self.mesh.fans.normals);
+                vec![fans]
+            }
+        })
     }
 }
 
@@ -400,138 +461,6 @@ fn uv_points(cage: &Cage) -> Vec<[f32; 3]> {
         .map(|&[u, v]| [u, v, 0.0])
         .chain([[0.0; 3]])
         .collect()
-}
-
-/// A quad of a surface prepared for dicing: its points and its texture coordinates.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct QuadPatch {
-    points: FacePatch,
-    uvs: FacePatch,
-    colors: FacePatch,
-    uv_ready: bool,
-    color_ready: bool,
-    linear: Option<[[f32; 3]; 4]>,
-    level: u32,
-}
-
-impl QuadPatch {
-    /// Chooses the vector instructions; never changes a bit.
-    pub(crate) fn set_simd(&mut self, simd: Level) {
-        self.points.simd = simd;
-        self.uvs.simd = simd;
-        self.colors.simd = simd;
-    }
-
-    /// Prepares quad `q`. `refined` holds the fans of [`Surface::refined_fans`] if control points are wanted.
-    pub(crate) fn prepare(
-        &mut self,
-        surface: &Surface,
-        q: u32,
-        level: u32,
-        refined: Option<&FanPoints>,
-    ) {
-        self.prepare_points(surface, q, level, refined, Sides::Normals);
-        self.prepare_uvs(surface, q);
-    }
-
-    /// Only the points; without `sides` enough for a hull.
-    pub(crate) fn prepare_points(
-        &mut self,
-        surface: &Surface,
-        q: u32,
-        level: u32,
-        refined: Option<&FanPoints>,
-        sides: Sides,
-    ) {
-        self.level = level;
-        self.uv_ready = false;
-        self.color_ready = false;
-        let mesh = &surface.mesh;
-        let channel = Channel {
-            topology: mesh.quads(),
-            points: &mesh.points,
-            fans: refined.unwrap_or(&mesh.fans),
-        };
-        let target = if refined.is_some() {
-            Target::Refined
-        } else {
-            Target::Limit
-        };
-        self.points.prepare(channel, q, target, level, sides);
-    }
-
-    pub(crate) fn prepare_uvs(&mut self, surface: &Surface, q: u32) {
-        let Some(uv) = &surface.uv else { return };
-        self.uv_ready = true;
-        self.linear = None;
-        if surface.linear_uv {
-            let quads = uv.quads();
-            let corner = |c: u32| uv.points[quads.vertex(4 * q + c) as usize];
-            self.linear = Some([corner(0), corner(1), corner(2), corner(3)]);
-            return;
-        }
-        let channel = Channel {
-            topology: uv.quads(),
-            points: &uv.points,
-            fans: &uv.fans,
-        };
-        self.uvs
-            .prepare(channel, q, Target::Limit, self.level, Sides::None);
-    }
-
-    pub(crate) fn has_uvs(&self) -> bool {
-        self.uv_ready
-    }
-
-    /// Prepares the vertex colours of quad `q`; says whether there are any.
-    pub(crate) fn prepare_colors(&mut self, surface: &Surface, q: u32) -> bool {
-        if let (Some(colors), false) = (&surface.colors, self.color_ready) {
-            let channel = Channel {
-                topology: surface.quads(),
-                points: &colors.points,
-                fans: &colors.fans,
-            };
-            self.colors
-                .prepare(channel, q, Target::Limit, self.level, Sides::None);
-            self.color_ready = true;
-        }
-        self.color_ready
-    }
-
-    pub(crate) fn dice_colors(&self, bu: u32, bv: u32, out: &mut Grid3) {
-        self.colors.dice(bu, bv, out, None);
-    }
-
-    pub(crate) fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
-        self.points.dice(bu, bv, points, normals);
-    }
-
-    pub(crate) fn dice_uvs(&self, bu: u32, bv: u32, out: &mut Grid3) {
-        let Some(c) = self.linear else {
-            self.uvs.dice(bu, bv, out, None);
-            return;
-        };
-        let size = FacePatch::block_size(self.level);
-        let scale = 1.0 / (1_u32 << self.level) as f32;
-        for j in 0..size.rows {
-            let t = (bv as usize * (size.rows - 1) + j) as f32 * scale;
-            for i in 0..size.cols {
-                let s = (bu as usize * (size.cols - 1) + i) as f32 * scale;
-                let at = |k: usize| {
-                    (c[0][k] * (1.0 - s) + c[1][k] * s) * (1.0 - t)
-                        + (c[3][k] * (1.0 - s) + c[2][k] * s) * t
-                };
-                out.set(i, j, [at(0), at(1), 0.0]);
-            }
-        }
-    }
-
-    pub(crate) fn hull(&self, out: impl FnMut([f32; 3])) {
-        self.points.hull(out);
-    }
-    pub(crate) fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
-        self.points.block_hull(bu, bv, out);
-    }
 }
 
 #[cfg(test)]

@@ -61,6 +61,22 @@ pub(crate) enum FaceVarying {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Creases {
+    /// Sharpness falls by one per level
+    Uniform,
+    /// It is averaged along the crease as it falls
+    Chaikin,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Triangles {
+    /// The ordinary weights
+    Catmark,
+    /// Smoother edges beside triangles
+    Smooth,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum UpAxis {
     Y,
     Z,
@@ -79,6 +95,12 @@ pub(crate) struct ModelFlags {
     /// Boundary rule [default: the file's, else edge-and-corner]
     #[arg(long, value_enum)]
     pub(crate) boundary: Option<Boundary>,
+    /// Decay of semi-sharp creases [default: the file's, else uniform]
+    #[arg(long, value_enum)]
+    pub(crate) creases: Option<Creases>,
+    /// Weights of Catmull-Clark beside triangles [default: the file's, else catmark]
+    #[arg(long, value_enum)]
+    pub(crate) triangles: Option<Triangles>,
     /// Rule for texture coordinates [default: the file's, else corners-plus1]
     #[arg(long, value_enum)]
     pub(crate) fvar: Option<FaceVarying>,
@@ -90,6 +112,15 @@ pub(crate) struct ModelFlags {
 impl ModelFlags {
     pub(crate) fn surface(&self) -> SurfaceOptions {
         SurfaceOptions {
+            creases: self.creases.map(|c| match c {
+                Creases::Uniform => scheme::CreaseMethod::Uniform,
+                Creases::Chaikin => scheme::CreaseMethod::Chaikin,
+            }),
+            triangles: self.triangles.map(|t| match t {
+                Triangles::Catmark => scheme::TriangleRule::Catmark,
+                Triangles::Smooth => scheme::TriangleRule::Smooth,
+            }),
+            scheme: scheme::Scheme::default(),
             boundary: self.boundary.map(|b| match b {
                 Boundary::None => scheme::Boundary::None,
                 Boundary::EdgeOnly => scheme::Boundary::EdgeOnly,

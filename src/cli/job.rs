@@ -137,7 +137,6 @@ impl Job {
                 cage.face_count(),
                 cage.points().len()
             ));
-            warn_of_tags(&name, &cage);
             if let Some(left) = self.memory_left() {
                 loader.options_mut().max_surface = left;
             }
@@ -213,16 +212,6 @@ impl Job {
             .into_iter()
             .map(|(k, v)| (k.to_owned(), v))
             .collect()
-    }
-}
-
-/// Says which tags pictures do not show yet.
-fn warn_of_tags(name: &str, cage: &Cage) {
-    let tags = cage.tags();
-    if !tags.creases.is_empty() || !tags.corners.is_empty() {
-        warning(&format!(
-            "{name}: creases and corners are drawn smooth for now; `earmark refine` knows them"
-        ));
     }
 }
 

@@ -26,6 +26,22 @@ impl EdgeSamples {
             v.resize(segments + 1 + LANES, 0.0);
         }
     }
+    /// Takes over all samples of `from`, from its end if `reversed`: points, normals, or both.
+    pub(crate) fn copy(&mut self, from: &Self, reversed: bool, [points, normals]: [bool; 2]) {
+        let pairs = (self.points.iter_mut().zip(&from.points).filter(|_| points)).chain(
+            self.normals
+                .iter_mut()
+                .zip(&from.normals)
+                .filter(|_| normals),
+        );
+        for (to, from) in pairs {
+            let n = to.len() - LANES;
+            to[..n].copy_from_slice(&from[..n]);
+            if reversed {
+                to[..n].reverse();
+            }
+        }
+    }
     pub(crate) fn set(&mut self, i: usize, point: [f32; 3], normal: [f32; 3]) {
         for c in 0..3 {
             self.points[c][i] = point[c];

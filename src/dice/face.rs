@@ -6,6 +6,7 @@
 //! valence works alike). The sides come from the edges' own rule, the corners from their fans.
 
 use super::basis::Target;
+use super::control::{Descend, Dot, Owner, is_refined};
 use super::edge::{
     EdgeSamples, Samples, Strip, irregular_half, regular_half, sample_boundary, whole_strip,
 };
@@ -28,6 +29,10 @@ pub(crate) struct Channel<'a> {
     pub(crate) topology: &'a Topology,
     pub(crate) points: &'a [[f32; 3]],
     pub(crate) fans: &'a FanPoints,
+    /// Control levels below, where quads at features are no patches.
+    pub(crate) below: Option<&'a dyn Descend>,
+    /// Whether quads are bilinear patches instead.
+    pub(crate) linear: bool,
 }
 
 /// A rule broken on purpose, so that tests can show that they would notice.
@@ -58,19 +63,24 @@ pub(crate) enum Sides {
 /// A quad prepared for dicing at one level, with buffers that are used again for the next quad.
 #[derive(Clone, Debug)]
 pub struct FacePatch {
-    level: u32,
-    target: Target,
-    pieces: Vec<Piece>,
-    sides: [EdgeSamples; 4],
-    corners: [([f32; 3], [f32; 3]); 4],
+    pub(super) level: u32,
+    pub(super) target: Target,
+    pub(super) pieces: Vec<Piece>,
+    /// Points between the pieces of a quad with deeper levels.
+    pub(super) dots: Vec<Dot>,
+    pub(super) owner: Option<Box<Owner>>,
+    /// Whether the corners are among the dots.
+    refined: bool,
+    pub(super) sides: [EdgeSamples; 4],
+    pub(super) corners: [([f32; 3], [f32; 3]); 4],
     windows: [Window; 4],
     /// What is next to each corner at depth 1.
     near: [Near; 4],
     /// What is next to the irregular corner in work, at depths 1, 2, ….
     rings: Vec<Near>,
-    wanted: Sides,
+    pub(super) wanted: Sides,
     /// Control points that no piece stands for, in hulls only.
-    hull: Vec<P4>,
+    pub(super) hull: Vec<P4>,
     pub(crate) fault: DiceFault,
     /// Vector instructions; never changes a bit.
     pub(crate) simd: Level,
@@ -82,6 +92,9 @@ impl Default for FacePatch {
             level: 0,
             target: Target::Limit,
             pieces: Vec::new(),
+            dots: Vec::new(),
+            owner: None,
+            refined: false,
             sides: Default::default(),
             corners: Default::default(),
             windows: [const { Window::EMPTY }; 4],
@@ -106,24 +119,41 @@ impl FacePatch {
         sides: Sides,
     ) {
         let t = channel.topology;
+        self.begin(level, target, sides);
+        for c in 0..4 {
+            let f = t.fan(4 * q + c as u32) as usize;
+            let normal = channel.fans.normals.get(f).copied().unwrap_or([0.0; 3]);
+            self.corners[c] = (channel.fans.limits[f], normal);
+        }
+        self.refined = is_refined(channel, q);
+        match channel.below {
+            Some(below) if self.refined && level == 0 => self.tip_corners(below, q),
+            Some(below) if self.refined => self.prepare_refined(channel, below, q),
+            _ if channel.linear => self.prepare_linear(channel, q),
+            _ if level == 0 => {}
+            _ => self.prepare_patch(channel, q),
+        }
+    }
+
+    /// Empties the buffers for the next quad.
+    pub(super) fn begin(&mut self, level: u32, target: Target, sides: Sides) {
         self.level = level;
         self.target = target;
         self.wanted = sides;
         self.pieces.clear();
+        self.dots.clear();
         self.hull.clear();
-        let fans: [u32; 4] = std::array::from_fn(|c| t.fan(4 * q + c as u32));
-        for c in 0..4 {
-            let f = fans[c] as usize;
-            let normal = channel.fans.normals.get(f).copied().unwrap_or([0.0; 3]);
-            self.corners[c] = (channel.fans.limits[f], normal);
+        if sides > Sides::None && level > 0 {
+            self.sides.iter_mut().for_each(|s| s.resize(1 << level));
         }
-        if level == 0 {
-            return;
-        }
+    }
+
+    /// Adds the pieces of a quad whose fans' rules hold, and its sides.
+    pub(super) fn prepare_patch(&mut self, channel: Channel<'_>, q: u32) {
+        let t = channel.topology;
+        let (level, sides) = (self.level, self.wanted);
         let n = 1_usize << level;
-        if sides > Sides::None {
-            self.sides.iter_mut().for_each(|s| s.resize(n));
-        }
+        let fans: [u32; 4] = std::array::from_fn(|c| t.fan(4 * q + c as u32));
         let regular: [bool; 4] = std::array::from_fn(|c| t.fans()[fans[c] as usize].is_regular());
         if regular == [true; 4] {
             let net = gather_net(t, channel.points, q);
@@ -152,6 +182,14 @@ impl FacePatch {
 
     /// Samples an edge with two regular ends, along its canonical direction.
     fn whole_side(&mut self, t: &Topology, points: &[[f32; 3]], q: u32, c: usize, strip: &Strip) {
+        self.sample_side(strip, t, q, c);
+        if t.twin(4 * q + c as u32) == NONE {
+            self.boundary_side(t, points, q, c);
+        }
+    }
+
+    /// Samples the strip of side `c` in the edge's direction; says whether that is the side's own.
+    pub(super) fn sample_side(&mut self, strip: &Strip, t: &Topology, q: u32, c: usize) -> bool {
         let n = 1_i64 << self.level;
         let forward = self.runs_forward(t, q, c);
         let to = Samples {
@@ -175,9 +213,7 @@ impl FacePatch {
                 out,
             );
         }
-        if t.twin(4 * q + c as u32) == NONE {
-            self.boundary_side(t, points, q, c);
-        }
+        forward
     }
 
     /// Puts the points of a boundary edge on the curve of the boundary polygon.
@@ -464,8 +500,14 @@ impl FacePatch {
                 normals.as_deref_mut()
             )
         );
+        if !self.dots.is_empty() {
+            self.put_dots(range, points, normals.as_deref_mut());
+        }
         if self.wanted > Sides::None && self.level > 0 {
             self.dice_sides(start, segments, points, normals.as_deref_mut());
+        }
+        if self.refined && self.wanted <= Sides::None && self.level > 0 {
+            return;
         }
         for (c, (col, row)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
             if (start[0]..=start[0] + segments).contains(&col)
@@ -518,6 +560,7 @@ impl FacePatch {
             piece.hull(self.target, [0.0, 1.0], [0.0, 1.0], &mut out);
         }
         self.hull.iter().for_each(|p| out(p.xyz()));
+        self.dots.iter().for_each(|d| out(d.point));
         self.corners.iter().for_each(|c| out(c.0));
     }
 
@@ -542,6 +585,9 @@ impl FacePatch {
                 piece.hull(self.target, u, v, &mut out);
             }
         }
+        let end = start.map(|k| k + segments);
+        let inside = self.dots.iter().filter(|d| d.is_in(start, end));
+        inside.for_each(|d| out(d.point));
         for (c, (col, row)) in [(0, 0), (n, 0), (n, n), (0, n)].into_iter().enumerate() {
             if (start[0]..=start[0] + segments).contains(&col)
                 && (start[1]..=start[1] + segments).contains(&row)

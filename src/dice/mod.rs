@@ -2,9 +2,11 @@
 //! the quad's ear stencil, at any level from 0 to 10, for any valence and boundary.
 
 mod basis;
+pub(crate) mod control;
 mod edge;
 pub(crate) mod face;
 pub(crate) mod fan_points;
+mod linear;
 mod net;
 mod point;
 pub(crate) mod presplit;

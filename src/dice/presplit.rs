@@ -1,4 +1,4 @@
-//! Points of a cage after the one Catmull-Clark step that turns its polygons into quads; made once per frame for cages with n-gons.
+//! Points of a cage after the one Catmull-Clark (or bilinear) step that turns its polygons into quads; made once per frame for cages with n-gons.
 
 use super::fan_points::step_fan;
 use super::point::P4;
@@ -8,7 +8,12 @@ use crate::topology::{NONE, Topology};
 use rayon::prelude::*;
 
 /// Points of the split mesh, in the order of its vertices: fans, faces, edges.
-pub(crate) fn presplit(t: &Topology, split: &Split, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+pub(crate) fn presplit(
+    t: &Topology,
+    split: &Split,
+    points: &[[f32; 3]],
+    linear: bool,
+) -> Vec<[f32; 3]> {
     let at = |h: u32| P4::new(points[t.vertex(h) as usize]);
     let faces: Vec<[f32; 3]> = (0..t.face_count() as u32)
         .into_par_iter()
@@ -27,7 +32,10 @@ pub(crate) fn presplit(t: &Topology, split: &Split, points: &[[f32; 3]]) -> Vec<
     let mut out: Vec<[f32; 3]> = (0..t.fans().len() as u32)
         .into_par_iter()
         .with_min_len(1024)
-        .map(|fan| step_fan(t, fan, points, &faces))
+        .map(|fan| match linear {
+            true => points[t.fan_vertex(fan) as usize],
+            false => step_fan(t, fan, points, &faces),
+        })
         .collect();
     let edges: Vec<[f32; 3]> = split
         .edge_vertex_halves
@@ -36,7 +44,7 @@ pub(crate) fn presplit(t: &Topology, split: &Split, points: &[[f32; 3]]) -> Vec<
         .map(|&h| {
             let (a, b) = (at(h), at(t.next(h)));
             let twin = t.twin(h);
-            if twin == NONE {
+            if twin == NONE || linear {
                 ((a + b) * 0.5).xyz()
             } else {
                 edge_point(a, b, face(h), face(twin)).xyz()

@@ -220,6 +220,8 @@ fn diced(mesh: &Mesh, target: Target, level: u32) -> Vec<Vec<([f32; 3], [f32; 3]
         topology: t,
         points,
         fans: &fans,
+        below: None,
+        linear: false,
     };
     let mut patch = FacePatch::default();
     let (mut p, mut n) = (Grid3::boxed(), Grid3::boxed());

@@ -6,11 +6,10 @@
 use super::scene::{Object, Scene};
 use crate::dice::FacePatch;
 use crate::dice::face::Sides;
-use crate::dice::fan_points::FanPoints;
 use crate::mesh::NONE;
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
-use crate::surface::QuadPatch;
+use crate::surface::{QuadPatch, RefinedFans};
 
 /// What is drawn of each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,7 +42,7 @@ pub(super) struct Source<'a> {
     /// Level of the cage.
     pub(super) level: u32,
     drawing: Drawing,
-    refined: Option<FanPoints>,
+    refined: Option<RefinedFans>,
 }
 
 /// Buffers of one thread.
@@ -101,6 +100,9 @@ impl<'a> Source<'a> {
         let (mut first_item, mut first_face) = (0, 0);
         let sources = scene.objects.iter().zip(levels).map(|(object, &level)| {
             let quad_level = level.saturating_sub(u32::from(object.surface.is_split()));
+            if drawing != Drawing::Cage {
+                object.surface.ensure(quad_level);
+            }
             let refined =
                 (drawing == Drawing::Refined).then(|| object.surface.refined_fans(quad_level));
             let source = Source {
@@ -300,7 +302,7 @@ impl<'a> Source<'a> {
     fn corner_point(&self, h: u32) -> [f32; 3] {
         let fan = self.object.surface.quads().fan(h);
         match &self.refined {
-            Some(fans) => fans.limits[fan as usize],
+            Some(fans) => fans.point(fan),
             None => self.object.surface.fan_limit(fan).0,
         }
     }

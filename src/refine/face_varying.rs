@@ -15,6 +15,7 @@ use crate::topology::{NONE, Topology};
 use rayon::prelude::*;
 
 mod classify;
+mod part;
 
 /// How a sibling is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +104,18 @@ impl<T: Real> FaceVarying<T> {
     #[must_use]
     pub fn is_complete(&self, base: u32) -> bool {
         !self.missing.get(base as usize).copied().unwrap_or(false)
+    }
+
+    /// One corner of a value.
+    #[must_use]
+    pub(crate) fn value_corner(&self, value: u32) -> u32 {
+        self.value_corners[value as usize]
+    }
+
+    /// Whether values are interpolated linearly everywhere.
+    #[must_use]
+    pub(crate) fn is_linear(&self) -> bool {
+        self.linear
     }
 
     /// Values where corners disagree.

@@ -14,6 +14,7 @@ pub mod face;
 pub mod face_varying;
 pub mod limit;
 pub mod real;
+pub(crate) mod restrict;
 pub mod ring;
 pub mod sharpness;
 pub mod vertex;

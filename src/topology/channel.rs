@@ -3,8 +3,8 @@
 //! A texture chart is a mesh of its own, whose seams are boundaries. So the surface of the values is diced by the same code as the
 //! surface of the points; only the rule of each fan of values follows the face-varying options (as OpenSubdiv does).
 
-use super::connect::fan_around;
-use super::{Fan, FanRule, NONE, Topology};
+use super::connect::rebuild_fans;
+use super::{FanRule, NONE, Topology};
 use crate::scheme::{Boundary, FaceVaryingRule, INFINITE_SHARPNESS};
 
 /// Connects a channel over the faces of `base`. `values[h]` is the index of the value at corner `h`, below `value_count`.
@@ -40,12 +40,14 @@ pub fn connect_channel(
         ..Topology::default()
     };
     number_edges(&mut t);
-    make_fans(&mut t);
+    rebuild_fans(&mut t);
     set_rules(&mut t, base, rule, boundary);
     t
 }
 
-fn number_edges(t: &mut Topology) {
+/// Numbers the edges by twins.
+pub(crate) fn number_edges(t: &mut Topology) {
+    t.edge_halves.clear();
     let n = t.twins.len();
     t.edges = vec![NONE; n];
     for h in 0..n {
@@ -57,39 +59,6 @@ fn number_edges(t: &mut Topology) {
             t.edge_halves.len() as u32 - 1
         };
     }
-}
-
-/// One fan per run of joined faces around a value; the first run keeps the value's number.
-fn make_fans(t: &mut Topology) {
-    let none = Fan {
-        first: NONE,
-        faces: 0,
-        closed: false,
-        rule: FanRule::Corner,
-    };
-    t.fans = vec![none; t.vertex_count];
-    let mut fans = vec![NONE; t.corner_vertices.len()];
-    for h in 0..t.corner_vertices.len() as u32 {
-        if fans[h as usize] != NONE {
-            continue;
-        }
-        let value = t.vertex(h);
-        let fan = fan_around(t, h);
-        let id = if t.fans[value as usize].first == NONE {
-            t.fans[value as usize] = fan;
-            value
-        } else {
-            t.fans.push(fan);
-            t.extra_fan_vertices.push(value);
-            t.fans.len() as u32 - 1
-        };
-        let mut at = fan.first;
-        for _ in 0..fan.faces {
-            fans[at as usize] = id;
-            at = t.rotate(at);
-        }
-    }
-    t.corner_fans = fans;
 }
 
 /// Decides crease or corner for every open fan of values.

@@ -505,6 +505,43 @@ fn apply_tags(
     }
 }
 
+/// Finds the fans of all vertices anew; the fan of a vertex' lowest corner bears its number. Rules are those of the fan's shape.
+pub(crate) fn rebuild_fans(t: &mut Topology) {
+    let none = Fan {
+        first: NONE,
+        faces: 0,
+        closed: false,
+        rule: FanRule::Corner,
+    };
+    t.corner_fans.clear();
+    t.extra_fan_vertices.clear();
+    t.fans = vec![none; t.vertex_count];
+    let mut fans = vec![NONE; t.half_count()];
+    for h in 0..t.half_count() as u32 {
+        if fans[h as usize] != NONE {
+            continue;
+        }
+        let v = t.vertex(h);
+        let fan = fan_around(t, h);
+        let id = if t.fans[v as usize].first == NONE {
+            t.fans[v as usize] = fan;
+            v
+        } else {
+            t.fans.push(fan);
+            t.extra_fan_vertices.push(v);
+            t.fans.len() as u32 - 1
+        };
+        let mut at = fan.first;
+        for _ in 0..fan.faces {
+            fans[at as usize] = id;
+            at = t.rotate(at);
+        }
+    }
+    if !t.extra_fan_vertices.is_empty() {
+        t.corner_fans = fans;
+    }
+}
+
 /// The edge between two vertices, by binary search: edges are numbered in (smaller, larger) order of their vertices.
 #[must_use]
 pub fn find_edge(t: &Topology, ends: [u32; 2]) -> Option<u32> {

@@ -115,15 +115,9 @@ pub fn compare(surface: &Surface, level: u32) -> Worst {
         .map(|p| p.map(f64::from))
         .collect();
     let base = Level::<f64>::new(surface.topology().clone(), points).unwrap();
-    let fine = refine(
-        base,
-        &Options::default(),
-        level,
-        None,
-        &mut Default::default(),
-    )
-    .unwrap();
-    let want = limit(&fine, &Options::default());
+    let options = surface.refine_options();
+    let fine = refine(base, &options, level, None, &mut Default::default()).unwrap();
+    let want = limit(&fine, &options);
     let t = &fine.topology;
     let quad_level = level - u32::from(surface.is_split());
     let scale = size(surface);
@@ -143,7 +137,9 @@ pub fn compare(surface: &Surface, level: u32) -> Worst {
                 .max(distance(control.points[k], fine.points[v]) / scale);
             // Vertices of valence 2 have no normal in general, and the tangents of folded or flat sheets are parallel.
             let fan = t.fans()[t.fan(h) as usize];
-            if fan.edges() > 2 {
+            // A sharp point on a smooth sheet is the tip of a cone, and has none either.
+            let tip = fan.closed && t.vertex_sharpness(t.vertex(h)) >= 10.0;
+            if fan.edges() > 2 && !tip {
                 let n = want.normals[want.normal_index(t, h) as usize];
                 worst.normal = worst.normal.max(angle(grid.normals[k], n));
             }

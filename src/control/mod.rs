@@ -1,0 +1,297 @@
+//! Control levels: what is left of a mesh, level by level, where features keep its quads from being patches.
+//!
+//! A quad with a *feature* at a corner (sharpness that fades, or a dart) is no B-spline however it is turned; its four children may be.
+//! So those quads are refined, and of the children again those at features, as deep as sharpness lasts or the dicing goes
+//! (feature-adaptive subdivision; Nießner, Loop, Meyer, DeRose, *Feature-adaptive GPU rendering of Catmull-Clark subdivision surfaces*,
+//! 2012). Each level holds the children of the refined quads and one ring of support around them, in its own small topology: cost is paid
+//! by the quads at features alone. Everything else about creases is gone once a level is cut open along its infinite edges ([`cut`]).
+
+mod cut;
+mod tips;
+
+use crate::dice::MAX_LEVEL;
+use crate::dice::control::{Descend, View};
+use crate::dice::fan_points::{FanPoints, TangentMasks};
+use crate::refine::{self, Level, Timings};
+use crate::topology::{NONE, Topology};
+use cut::{VertexRules, cut_points, cut_values};
+use std::sync::OnceLock;
+
+/// One channel of a level, cut and ready to be diced.
+#[derive(Clone, Debug)]
+pub(crate) struct ChannelMesh {
+    pub(crate) topology: Topology,
+    pub(crate) masks: TangentMasks,
+    pub(crate) points: Vec<[f32; 3]>,
+    pub(crate) fans: FanPoints,
+}
+
+impl ChannelMesh {
+    fn new(topology: Topology, points: Vec<[f32; 3]>, normals: bool) -> Self {
+        let masks = TangentMasks::new(&topology);
+        let fans = FanPoints::new(&topology, &masks, &points, None, normals);
+        Self {
+            topology,
+            masks,
+            points,
+            fans,
+        }
+    }
+}
+
+/// One level: the whole mesh of it that is kept, and its channels.
+#[derive(Clone, Debug)]
+struct ControlLevel {
+    /// Not cut; points and texture coordinates.
+    level: Level<f32>,
+    rules: VertexRules,
+    /// Vertices of the level above whose children are this level's first vertices, in order.
+    above: Vec<u32>,
+    /// Colours of the vertices; empty without.
+    colors: Vec<[f32; 3]>,
+    /// First child of every face in the next level, or [`NONE`] where the face is not refined.
+    children: Vec<u32>,
+    /// Faces of which the next level is made: those refined and those around them.
+    parents: Vec<(u32, u32)>,
+    points: ChannelMesh,
+    uvs: Option<ChannelMesh>,
+    color_points: Option<ChannelMesh>,
+    /// Limits of texture coordinates and colours at features, for where the dicing ends at this level.
+    tips: OnceLock<tips::Tips>,
+}
+
+/// Which channel of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Points,
+    Uvs,
+    Colors,
+}
+
+/// All control levels of a surface, made as deep as they are asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct ControlTree {
+    options: refine::Options,
+    root: ControlLevel,
+    deeper: [OnceLock<Option<Box<ControlLevel>>>; MAX_LEVEL as usize],
+}
+
+impl ControlTree {
+    /// The tree over `level`, whose faces are all quads. `colors` holds one value per vertex, or nothing.
+    pub(crate) fn new(level: Level<f32>, colors: Vec<[f32; 3]>, options: refine::Options) -> Self {
+        let owned = vec![true; level.topology.face_count()];
+        Self {
+            root: ControlLevel::new(level, Vec::new(), colors, &owned, &options),
+            options,
+            deeper: [const { OnceLock::new() }; MAX_LEVEL as usize],
+        }
+    }
+
+    /// The first level's channels.
+    pub(crate) fn root(&self, kind: Kind) -> Option<&ChannelMesh> {
+        self.root.channel(kind)
+    }
+
+    /// Makes the levels that dicing at `level` needs. To be called before any thread dices.
+    pub(crate) fn ensure(&self, level: u32) {
+        for depth in 1..=level.min(MAX_LEVEL) {
+            let Some(parent) = self.level(depth - 1) else {
+                return;
+            };
+            self.deeper[depth as usize - 1]
+                .get_or_init(|| parent.next(&self.options).map(Box::new));
+        }
+        if let Some(last) = self.level(level.min(MAX_LEVEL)) {
+            last.tips.get_or_init(|| last.make_tips(&self.options));
+        }
+    }
+
+    fn level(&self, depth: u32) -> Option<&ControlLevel> {
+        match depth {
+            0 => Some(&self.root),
+            d => self.deeper.get(d as usize - 1)?.get()?.as_deref(),
+        }
+    }
+
+    /// Fans whose positions are the control points after `level` steps; one set for every control level.
+    pub(crate) fn refined(&self, level: u32) -> Vec<FanPoints> {
+        self.ensure(level);
+        let mut all: Vec<FanPoints> = (0..=level)
+            .map_while(|depth| self.level(depth).map(|l| l.refined(level - depth)))
+            .collect();
+        // Corners of the first level's quads at features: the same point for all faces, from where the vertex is no feature any more.
+        let root = &self.root;
+        for fan in 0..root.points.topology.fans().len() as u32 {
+            let mut v = root.points.topology.fan_vertex(fan);
+            if !root.rules.features[v as usize] {
+                continue;
+            }
+            let mut depth = 0;
+            while let (Some(here), Some(below)) = (self.level(depth), self.level(depth + 1)) {
+                if depth == level || !here.rules.features[v as usize] {
+                    break;
+                }
+                let Ok(child) = below.above.binary_search(&v) else {
+                    break;
+                };
+                (v, depth) = (child as u32, depth + 1);
+            }
+            all[0].limits[fan as usize] = all[depth as usize].limits[v as usize];
+        }
+        all
+    }
+
+    /// The tree as dicing sees it, for one channel.
+    pub(crate) fn channel<'a>(
+        &'a self,
+        kind: Kind,
+        level: u32,
+        refined: Option<&'a [FanPoints]>,
+    ) -> TreeChannel<'a> {
+        TreeChannel {
+            tree: self,
+            kind,
+            level,
+            refined,
+        }
+    }
+}
+
+/// One channel of a tree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TreeChannel<'a> {
+    tree: &'a ControlTree,
+    kind: Kind,
+    level: u32,
+    refined: Option<&'a [FanPoints]>,
+}
+
+impl Descend for TreeChannel<'_> {
+    fn at(&self, depth: u32) -> Option<View<'_>> {
+        let level = self.tree.level(depth)?;
+        let mesh = level.channel(self.kind)?;
+        let tips = (depth == self.level).then(|| level.tips.get()).flatten();
+        let tips = match self.kind {
+            Kind::Points => None,
+            Kind::Uvs => tips.map(|t| &t.uvs),
+            Kind::Colors => tips.map(|t| &t.colors),
+        };
+        Some(View {
+            topology: &mesh.topology,
+            points: &mesh.points,
+            fans: self.refined.map_or(&mesh.fans, |r| &r[depth as usize]),
+            children: &level.children,
+            features: &level.rules.features,
+            whole: &level.level.topology,
+            tips: tips.filter(|t| !t.is_empty()).map(Vec::as_slice),
+        })
+    }
+}
+
+impl ControlLevel {
+    fn new(
+        level: Level<f32>,
+        above: Vec<u32>,
+        colors: Vec<[f32; 3]>,
+        owned: &[bool],
+        options: &refine::Options,
+    ) -> Self {
+        let t = &level.topology;
+        let rules = VertexRules::new(t);
+        let feature = |f: u32| {
+            t.face_halves(f)
+                .any(|h| rules.features[t.vertex(h) as usize])
+        };
+        let refined: Vec<bool> = (0..t.face_count() as u32)
+            .map(|f| owned[f as usize] && feature(f))
+            .collect();
+        let mut touched = vec![false; t.vertex_count()];
+        for f in (0..t.face_count() as u32).filter(|&f| refined[f as usize]) {
+            for h in t.face_halves(f) {
+                touched[t.vertex(h) as usize] = true;
+            }
+        }
+        let parents: Vec<(u32, u32)> = (0..t.face_count() as u32)
+            .filter(|&f| t.face_halves(f).any(|h| touched[t.vertex(h) as usize]))
+            .map(|f| (f, 0))
+            .collect();
+        let mut children = Vec::new();
+        if !parents.is_empty() {
+            children = vec![NONE; t.face_count()];
+            for (i, &(f, _)) in parents.iter().enumerate() {
+                if refined[f as usize] {
+                    children[f as usize] = 4 * i as u32;
+                }
+            }
+        }
+        let mut points = ChannelMesh::new(cut_points(t, &rules), level.points.clone(), true);
+        tips::set_feature_limits(&level, &rules, options, &mut points);
+        let uvs = level.uvs.as_ref().map(|uv| {
+            let values = uv.values.iter().map(|&[u, v]| [u, v, 0.0]).collect();
+            ChannelMesh::new(cut_values(t, &rules, uv), values, false)
+        });
+        let color_points = (!colors.is_empty())
+            .then(|| ChannelMesh::new(points.topology.clone(), colors.clone(), false));
+        Self {
+            rules,
+            above,
+            colors,
+            children,
+            parents,
+            points,
+            uvs,
+            color_points,
+            tips: OnceLock::new(),
+            level,
+        }
+    }
+
+    fn channel(&self, kind: Kind) -> Option<&ChannelMesh> {
+        match kind {
+            Kind::Points => Some(&self.points),
+            Kind::Uvs => self.uvs.as_ref(),
+            Kind::Colors => self.color_points.as_ref(),
+        }
+    }
+
+    /// The next level, unless nothing needs it.
+    fn next(&self, options: &refine::Options) -> Option<Self> {
+        if self.parents.is_empty() {
+            return None;
+        }
+        let part = self.level.part(&self.parents);
+        let colors = self.next_colors(&part, options);
+        let mut timings = Timings::default();
+        let level = part.level.next(options, &mut timings).ok()?;
+        let owned: Vec<bool> = (self.parents.iter())
+            .flat_map(|&(f, _)| [self.children[f as usize] != NONE; 4])
+            .collect();
+        Some(Self::new(level, part.vertices, colors, &owned, options))
+    }
+
+    fn next_colors(
+        &self,
+        part: &refine::restrict::Part<f32>,
+        options: &refine::Options,
+    ) -> Vec<[f32; 3]> {
+        if self.colors.is_empty() {
+            return Vec::new();
+        }
+        let values = part.vertices.iter().map(|&v| self.colors[v as usize]);
+        Level::new(part.level.topology.clone(), values.collect())
+            .and_then(|level| level.next(options, &mut Timings::default()))
+            .map(|level| level.points)
+            .unwrap_or_default()
+    }
+
+    fn refined(&self, steps: u32) -> FanPoints {
+        let m = &self.points;
+        let mut fans = FanPoints::new(&m.topology, &m.masks, &m.points, Some(steps), false);
+        fans.normals.clone_from(&m.fans.normals);
+        fans
+    }
+
+    fn make_tips(&self, options: &refine::Options) -> tips::Tips {
+        tips::Tips::new(&self.level, &self.colors, &self.rules, options)
+    }
+}

@@ -1,0 +1,58 @@
+//! Bilinear patches: the surface of the bilinear scheme, as B-splines whose control points lie on the patch.
+//!
+//! A cubic B-spline reproduces linear functions, so the net that continues the patch by its own slopes evaluates to it, and all that dices
+//! B-splines dices this too. Sides are walked from the lower to the higher vertex number; normals are each face's own, for the surface
+//! has creases along all edges.
+
+use super::edge::{EdgeSamples, Strip, sample_boundary};
+use super::face::{Channel, FacePatch, Sides};
+use super::net::{Net, side_strip};
+use super::point::P4;
+use super::regular::Piece;
+
+/// The patch over corners `c` at column `i` and row `j` of its net.
+fn at(c: [P4; 4], i: usize, j: usize) -> P4 {
+    let (s, t) = (i as f32 - 1.0, j as f32 - 1.0);
+    let low = c[0] * (1.0 - s) + c[1] * s;
+    let high = c[3] * (1.0 - s) + c[2] * s;
+    low * (1.0 - t) + high * t
+}
+
+impl FacePatch {
+    /// Prepares quad `q` as a bilinear patch.
+    pub(super) fn prepare_linear(&mut self, channel: Channel<'_>, q: u32) {
+        let t = channel.topology;
+        let corners: [P4; 4] =
+            std::array::from_fn(|c| P4::new(channel.points[t.vertex(4 * q + c as u32) as usize]));
+        let middle = (corners[2] - corners[0]).cross(corners[3] - corners[1]);
+        for c in 0..4 {
+            let (before, next) = (corners[(c + 3) % 4], corners[(c + 1) % 4]);
+            let normal = (next - corners[c]).cross(before - corners[c]);
+            let unit = normal.unit().or_else(|| middle.unit());
+            self.corners[c].1 = unit.map_or([0.0, 0.0, 1.0], P4::xyz);
+        }
+        if self.level == 0 {
+            return;
+        }
+        let net: Net<4> = std::array::from_fn(|j| std::array::from_fn(|i| at(corners, i, j)));
+        self.pieces.push(Piece {
+            net,
+            origin: [0, 0],
+            size: 1 << self.level,
+            level: self.level,
+        });
+        if self.wanted <= Sides::None {
+            return;
+        }
+        let n = 1_i64 << self.level;
+        for c in 0..4 {
+            let strip: Strip = side_strip(&net, c);
+            let forward = self.sample_side(&strip, t, q, c);
+            let (a, b) = (corners[c], corners[(c + 1) % 4]);
+            let out: &mut EdgeSamples = &mut self.sides[c];
+            let (a, b, at, step) = if forward { (a, b, 0, 1) } else { (b, a, n, -1) };
+            let row = [P4::beyond(a, b), a, b, P4::beyond(b, a)];
+            sample_boundary(row, self.target, self.level, out, at, step);
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! A part of a level as a level of its own, for refinement around features alone.
+//!
+//! The rim of the part looks like a boundary, and what refinement makes of its vertices is not what it makes of them in the whole. Vertices
+//! whose faces are all in the part refine as in the whole; so whoever needs the ring of a vertex one level on must take in all faces
+//! around the corners of its faces. Vertices, edges and values keep their order.
+
+use super::Level;
+use super::real::Real;
+use crate::scheme::INFINITE_SHARPNESS;
+use crate::topology::connect::rebuild_fans;
+use crate::topology::{NONE, Topology};
+
+/// A part of a level.
+#[derive(Clone, Debug)]
+pub(crate) struct Part<T> {
+    /// The level; its faces stand in the order in which they were asked for. [`Level::base_face`] means nothing here.
+    pub(crate) level: Level<T>,
+    /// Vertex of the whole of every vertex.
+    pub(crate) vertices: Vec<u32>,
+    /// Face-varying value of the whole of every value.
+    pub(crate) values: Vec<u32>,
+}
+
+/// Numbers the marked elements in order: the old number of each new one, and the new number of each old one.
+pub(super) fn compact(size: usize, marked: impl Iterator<Item = u32>) -> (Vec<u32>, Vec<u32>) {
+    let mut new_of_old = vec![NONE; size];
+    marked.for_each(|i| new_of_old[i as usize] = 0);
+    let mut old_of_new = Vec::new();
+    for (old, new) in new_of_old.iter_mut().enumerate() {
+        if *new != NONE {
+            *new = old_of_new.len() as u32;
+            old_of_new.push(old as u32);
+        }
+    }
+    (old_of_new, new_of_old)
+}
+
+impl<T: Real> Level<T> {
+    /// The part that consists of `faces`: each with the corner that becomes its first.
+    pub(crate) fn part(&self, faces: &[(u32, u32)]) -> Part<T> {
+        let t = &self.topology;
+        let mut corners = Vec::with_capacity(4 * faces.len());
+        let mut offsets = vec![0_u32];
+        for &(f, turn) in faces {
+            let halves = t.face_halves(f);
+            let n = halves.len() as u32;
+            corners.extend((0..n).map(|k| halves.start + (k + turn) % n));
+            offsets.push(corners.len() as u32);
+        }
+        let mut new_corner = vec![NONE; t.half_count()];
+        for (new, &old) in corners.iter().enumerate() {
+            new_corner[old as usize] = new as u32;
+        }
+        let (vertices, new_vertex) =
+            compact(t.vertex_count(), corners.iter().map(|&h| t.vertex(h)));
+        let topology = part_topology(t, &corners, offsets, &new_corner, &vertices, &new_vertex);
+        let (uvs, values) = match &self.uvs {
+            Some(uv) => {
+                let (uv, values) = uv.part(&corners, &new_corner);
+                (Some(uv), values)
+            }
+            None => (None, Vec::new()),
+        };
+        let points = vertices.iter().map(|&v| self.points[v as usize]).collect();
+        let level = Self {
+            topology,
+            points,
+            uvs,
+            depth: self.depth,
+            base_corner_faces: Vec::new(),
+            base_face_count: 0,
+        };
+        Part {
+            level,
+            vertices,
+            values,
+        }
+    }
+}
+
+fn part_topology(
+    t: &Topology,
+    corners: &[u32],
+    offsets: Vec<u32>,
+    new_corner: &[u32],
+    vertices: &[u32],
+    new_vertex: &[u32],
+) -> Topology {
+    let twins: Vec<u32> = corners
+        .iter()
+        .map(|&h| match t.twin(h) {
+            NONE => NONE,
+            twin => new_corner[twin as usize],
+        })
+        .collect();
+    let (old_edges, new_edge) = compact(t.edge_count(), corners.iter().map(|&h| t.edge(h)));
+    let edges: Vec<u32> = corners
+        .iter()
+        .map(|&h| new_edge[t.edge(h) as usize])
+        .collect();
+    let mut edge_halves = vec![NONE; old_edges.len()];
+    for (h, &e) in edges.iter().enumerate() {
+        let half = &mut edge_halves[e as usize];
+        *half = (*half).min(h as u32);
+    }
+    let mut edge_sharpness = Vec::new();
+    if !t.edge_sharpness.is_empty() {
+        edge_sharpness = old_edges.iter().map(|&e| t.edge_sharpness(e)).collect();
+        for (s, &h) in edge_sharpness.iter_mut().zip(&edge_halves) {
+            if twins[h as usize] == NONE {
+                *s = INFINITE_SHARPNESS;
+            }
+        }
+    }
+    let mut vertex_sharpness = Vec::new();
+    if !t.vertex_sharpness.is_empty() {
+        vertex_sharpness = vertices.iter().map(|&v| t.vertex_sharpness(v)).collect();
+    }
+    let mut corner_faces = Vec::new();
+    let mut face_offsets = Vec::new();
+    if offsets.windows(2).any(|w| w[1] - w[0] != 4) {
+        for (f, w) in offsets.windows(2).enumerate() {
+            corner_faces.resize(w[1] as usize, f as u32);
+        }
+        face_offsets = offsets;
+    }
+    let mut part = Topology {
+        vertex_count: vertices.len(),
+        face_offsets,
+        corner_faces,
+        corner_vertices: corners
+            .iter()
+            .map(|&h| new_vertex[t.vertex(h) as usize])
+            .collect(),
+        twins,
+        edges,
+        edge_halves,
+        edge_sharpness,
+        vertex_sharpness,
+        ..Topology::default()
+    };
+    if !t.holes.is_empty() {
+        part.holes = (0..part.face_count() as u32)
+            .map(|f| t.is_hole(t.face_of(corners[part.face_halves(f).start as usize])))
+            .collect();
+    }
+    rebuild_fans(&mut part);
+    part
+}

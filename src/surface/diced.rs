@@ -1,0 +1,69 @@
+//! One quad as plain arrays, for export and for other programs.
+
+use crate::math;
+
+/// Points of one quad of the surface's quad mesh on a grid, row by row: `side` points along u, then the next v.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DicedQuad {
+    /// Points along each side.
+    pub side: usize,
+    /// Limit points, or control points of the level.
+    pub points: Vec<[f32; 3]>,
+    /// Unit limit normals.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates; empty without.
+    pub uvs: Vec<[f32; 2]>,
+}
+
+impl DicedQuad {
+    /// Tangent and bitangent at every point, row by row: unit vectors in the tangent plane along which the texture's u and v grow (along
+    /// the grid's u and v where there are no texture coordinates). From central differences of the grid, made normal to the limit
+    /// normal; so they suit normal maps, and are not exact like the normals are. Mirrored texture shows as a left-handed pair.
+    #[must_use]
+    pub fn tangents(&self) -> Vec<[[f32; 3]; 2]> {
+        let n = self.side;
+        let step = |k: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
+        let mut out = Vec::with_capacity(n * n);
+        for j in 0..n {
+            for i in 0..n {
+                let ((i0, i1), (j0, j1)) = (step(i), step(j));
+                let (west, east, south, north) = (j * n + i0, j * n + i1, j0 * n + i, j1 * n + i);
+                let along = math::sub(self.points[east], self.points[west]);
+                let across = math::sub(self.points[north], self.points[south]);
+                let [a, b, c, d] = match self.uvs.is_empty() {
+                    true => [1.0, 0.0, 0.0, 1.0],
+                    false => {
+                        let uv = |k: usize| self.uvs[k];
+                        [
+                            uv(east)[0] - uv(west)[0],
+                            uv(north)[0] - uv(south)[0],
+                            uv(east)[1] - uv(west)[1],
+                            uv(north)[1] - uv(south)[1],
+                        ]
+                    }
+                };
+                // (along, across) = (T, B) · [[a, b], [c, d]]; only directions matter, so the determinant enters by its sign.
+                let sign = if a * d - b * c < 0.0 { -1.0 } else { 1.0 };
+                let mix = |p: f32, q: f32| [0, 1, 2].map(|k| (along[k] * p + across[k] * q) * sign);
+                let normal = self.normals[j * n + i];
+                let flat = |v: [f32; 3], spare: [f32; 3]| {
+                    let h = math::dot(v, normal);
+                    math::normalize([0, 1, 2].map(|k| v[k] - normal[k] * h)).unwrap_or(spare)
+                };
+                let tangent = flat(mix(d, -c), flat(along, [1.0, 0.0, 0.0]));
+                out.push([tangent, flat(mix(-b, a), math::cross(normal, tangent))]);
+            }
+        }
+        out
+    }
+
+    /// Antal's triangle strips: one per row of micro-quads, each alternating between the row's upper and lower points, from column
+    /// 0 on. Indices into the grid. At level 3 these are 8 strips of 18, 144 vertices in all.
+    #[must_use]
+    pub fn strips(&self) -> Vec<Vec<u32>> {
+        let n = self.side as u32;
+        (0..n - 1)
+            .map(|j| (0..n).flat_map(|i| [(j + 1) * n + i, j * n + i]).collect())
+            .collect()
+    }
+}

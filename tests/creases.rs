@@ -1,0 +1,124 @@
+//! Creased cages by the per-quad path: it agrees with whole-mesh refinement, and edges are shared bit for bit.
+
+mod common;
+#[path = "common/edges.rs"]
+mod edges;
+#[path = "common/oracle.rs"]
+mod oracle;
+
+use earmark::dice::DiceFault;
+use earmark::mesh::obj;
+use earmark::mesh::resolver::NoFiles;
+use earmark::scheme::{Boundary, CreaseMethod};
+use earmark::{Cage, Scene, Surface, SurfaceOptions};
+use std::fmt::Write;
+
+/// A bent sheet of `n` by `n` quads, with tags.
+fn sheet(n: u32, creases: &[(u32, u32, f32)], corners: &[(u32, f32)]) -> Cage {
+    let m = n + 1;
+    let mut text = String::new();
+    for k in 0..m * m {
+        let (x, y) = (f64::from(k % m), f64::from(k / m));
+        let z = 0.4 * ((x * 1.7 + y).sin() + (y * 1.3 - x * 0.5).cos());
+        writeln!(text, "v {x} {y} {z}\nvt {x} {}", y + 0.1 * z).unwrap();
+    }
+    for q in 0..n * n {
+        let at = q / n * m + q % n + 1;
+        let corner = |v: u32| format!("{v}/{v}");
+        let [a, b, c, d] = [at, at + 1, at + m + 1, at + m].map(corner);
+        writeln!(text, "f {a} {b} {c} {d}").unwrap();
+    }
+    for (a, b, s) in creases {
+        writeln!(text, "t crease 2/1/0 {a} {b} {s}").unwrap();
+    }
+    for (v, s) in corners {
+        writeln!(text, "t corner 1/1/0 {v} {s}").unwrap();
+    }
+    read(&text)
+}
+
+fn read(text: &str) -> Cage {
+    obj::read(
+        text.as_bytes(),
+        "sheet.obj",
+        &mut NoFiles,
+        &obj::ReadOptions::default(),
+    )
+    .unwrap()
+    .cage
+}
+
+fn check(name: &str, cage: &Cage, options: &SurfaceOptions, most: u32) {
+    let surface = Surface::new(cage.clone(), options);
+    let plain = oracle::smooth(&surface, options);
+    let moved = (0..surface.quads().face_count() as u32)
+        .any(|q| surface.dice(q, 3).points != plain.dice(q, 3).points);
+    assert!(moved, "{name}: sharpness changes nothing");
+    let view = edges::view_of(&Scene::of(surface.clone()));
+    let mut sum = oracle::Worst::default();
+    for level in 1..=most {
+        let worst = oracle::compare(&surface, level);
+        assert!(worst.point <= 2e-6, "{name} at level {level}: {worst:?}");
+        assert!(worst.normal <= 0.05, "{name} at level {level}: {worst:?}");
+        let (differ, compared) = edges::compare(&surface, &view, level, DiceFault::None);
+        assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
+        sum.add(worst);
+    }
+    println!("creases: {name} {sum:?}");
+}
+
+#[test]
+fn sheets_with_every_kind_of_sharpness_agree_with_refinement() {
+    let row = [(6, 7), (7, 8), (8, 9)];
+    let with = |s: [f32; 3]| -> Vec<(u32, u32, f32)> {
+        row.iter().zip(s).map(|(&(a, b), s)| (a, b, s)).collect()
+    };
+    let cases: Vec<(&str, Cage)> = vec![
+        ("infinite dart", sheet(4, &with([10.0, 10.0, 0.0]), &[])),
+        ("semi-sharp", sheet(4, &with([1.0, 2.0, 3.0]), &[])),
+        ("fractional", sheet(4, &with([0.3, 1.6, 2.25]), &[])),
+        ("one edge", sheet(4, &[(12, 13, 2.5)], &[])),
+        ("corner", sheet(4, &[], &[(12, 1.5)])),
+        ("sharp corner", sheet(4, &[], &[(12, 10.0)])),
+        ("boundary corner", sheet(4, &[], &[(2, 2.5), (24, 0.5)])),
+        (
+            "to the boundary",
+            sheet(
+                4,
+                &[
+                    (10, 11, 10.0),
+                    (11, 12, 10.0),
+                    (12, 13, 10.0),
+                    (13, 14, 10.0),
+                ],
+                &[],
+            ),
+        ),
+        (
+            "crossing",
+            sheet(
+                4,
+                &[(11, 12, 10.0), (12, 13, 10.0), (7, 12, 2.0), (12, 17, 10.0)],
+                &[],
+            ),
+        ),
+        (
+            "mixed",
+            sheet(
+                4,
+                &[(11, 12, 10.0), (12, 13, 1.5), (7, 12, 0.75), (17, 18, 4.5)],
+                &[(8, 3.0)],
+            ),
+        ),
+    ];
+    for (name, cage) in &cases {
+        for method in [CreaseMethod::Uniform, CreaseMethod::Chaikin] {
+            let options = SurfaceOptions {
+                creases: Some(method),
+                boundary: Some(Boundary::EdgeOnly),
+                ..SurfaceOptions::default()
+            };
+            check(name, cage, &options, 5);
+        }
+    }
+}
