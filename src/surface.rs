@@ -163,16 +163,18 @@ impl Surface {
         if self.linear || !tagged {
             return None;
         }
-        let level = refine::Level::of_cage(cage, base.clone(), options.scheme, rule).ok()?;
+        let level = refine::Level::<f64>::of_cage(cage, base.clone(), options.scheme, rule).ok()?;
+        let wide = |c: &[f32; 3]| c.map(f64::from);
+        let colors: Vec<[f64; 3]> = cage.colors.iter().map(wide).collect();
         if base.all_quads() {
-            return Some(ControlTree::new(level, cage.colors.clone(), options));
+            return Some(ControlTree::new(level, colors, options));
         }
         let mut timings = refine::Timings::default();
         let quads = level.next(&options, &mut timings).ok()?;
-        let colors = match cage.colors.is_empty() {
-            true => Vec::new(),
+        let colors = match colors.is_empty() {
+            true => colors,
             false => {
-                let colors = refine::Level::new(base.clone(), cage.colors.clone()).ok()?;
+                let colors = refine::Level::new(base.clone(), colors).ok()?;
                 colors.next(&options, &mut timings).ok()?.points
             }
         };

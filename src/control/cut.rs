@@ -66,7 +66,7 @@ pub(super) fn cut_points(t: &Topology, rules: &VertexRules) -> Topology {
 }
 
 /// Cuts the mesh of face-varying values, along seams too; vertices of the result are values.
-pub(super) fn cut_values(t: &Topology, rules: &VertexRules, values: &FaceVarying<f32>) -> Topology {
+pub(super) fn cut_values(t: &Topology, rules: &VertexRules, values: &FaceVarying<f64>) -> Topology {
     let corners = &values.corners;
     let mut out = Topology {
         vertex_count: values.values.len(),

@@ -42,13 +42,13 @@ impl ChannelMesh {
 /// One level: the whole mesh of it that is kept, and its channels.
 #[derive(Clone, Debug)]
 struct ControlLevel {
-    /// Not cut; points and texture coordinates.
-    level: Level<f32>,
+    /// Not cut; points and texture coordinates. In `f64`: a chain of roundings would show in normals at the deepest levels.
+    level: Level<f64>,
     rules: VertexRules,
     /// Vertices of the level above whose children are this level's first vertices, in order.
     above: Vec<u32>,
     /// Colours of the vertices; empty without.
-    colors: Vec<[f32; 3]>,
+    colors: Vec<[f64; 3]>,
     /// First child of every face in the next level, or [`NONE`] where the face is not refined.
     children: Vec<u32>,
     /// Faces of which the next level is made: those refined and those around them.
@@ -58,6 +58,10 @@ struct ControlLevel {
     color_points: Option<ChannelMesh>,
     /// Limits of texture coordinates and colours at features, for where the dicing ends at this level.
     tips: OnceLock<tips::Tips>,
+}
+
+fn narrow(points: &[[f64; 3]]) -> Vec<[f32; 3]> {
+    points.iter().map(|p| p.map(|c| c as f32)).collect()
 }
 
 /// Which channel of a level.
@@ -78,7 +82,7 @@ pub(crate) struct ControlTree {
 
 impl ControlTree {
     /// The tree over `level`, whose faces are all quads. `colors` holds one value per vertex, or nothing.
-    pub(crate) fn new(level: Level<f32>, colors: Vec<[f32; 3]>, options: refine::Options) -> Self {
+    pub(crate) fn new(level: Level<f64>, colors: Vec<[f64; 3]>, options: refine::Options) -> Self {
         let owned = vec![true; level.topology.face_count()];
         Self {
             root: ControlLevel::new(level, Vec::new(), colors, &owned, &options),
@@ -190,9 +194,9 @@ impl Descend for TreeChannel<'_> {
 
 impl ControlLevel {
     fn new(
-        level: Level<f32>,
+        level: Level<f64>,
         above: Vec<u32>,
-        colors: Vec<[f32; 3]>,
+        colors: Vec<[f64; 3]>,
         owned: &[bool],
         options: &refine::Options,
     ) -> Self {
@@ -224,14 +228,18 @@ impl ControlLevel {
                 }
             }
         }
-        let mut points = ChannelMesh::new(cut_points(t, &rules), level.points.clone(), true);
+        let mut points = ChannelMesh::new(cut_points(t, &rules), narrow(&level.points), true);
         tips::set_feature_limits(&level, &rules, options, &mut points);
         let uvs = level.uvs.as_ref().map(|uv| {
-            let values = uv.values.iter().map(|&[u, v]| [u, v, 0.0]).collect();
+            let values = uv
+                .values
+                .iter()
+                .map(|&[u, v]| [u as f32, v as f32, 0.0])
+                .collect();
             ChannelMesh::new(cut_values(t, &rules, uv), values, false)
         });
         let color_points = (!colors.is_empty())
-            .then(|| ChannelMesh::new(points.topology.clone(), colors.clone(), false));
+            .then(|| ChannelMesh::new(points.topology.clone(), narrow(&colors), false));
         Self {
             rules,
             above,
@@ -271,9 +279,9 @@ impl ControlLevel {
 
     fn next_colors(
         &self,
-        part: &refine::restrict::Part<f32>,
+        part: &refine::restrict::Part<f64>,
         options: &refine::Options,
-    ) -> Vec<[f32; 3]> {
+    ) -> Vec<[f64; 3]> {
         if self.colors.is_empty() {
             return Vec::new();
         }

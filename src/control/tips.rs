@@ -19,7 +19,7 @@ pub(super) struct Tips {
 }
 
 /// Faces with a marked vertex, unturned.
-fn around(level: &Level<f32>, marked: &[bool]) -> Vec<(u32, u32)> {
+fn around(level: &Level<f64>, marked: &[bool]) -> Vec<(u32, u32)> {
     let t = &level.topology;
     (0..t.face_count() as u32)
         .filter(|&f| t.face_halves(f).any(|h| marked[t.vertex(h) as usize]))
@@ -29,7 +29,7 @@ fn around(level: &Level<f32>, marked: &[bool]) -> Vec<(u32, u32)> {
 
 /// Puts the limit points and normals of features in place of what their fans' shapes say; of corners too, whose normals go by sectors.
 pub(super) fn set_feature_limits(
-    level: &Level<f32>,
+    level: &Level<f64>,
     rules: &VertexRules,
     options: &Options,
     points: &mut ChannelMesh,
@@ -59,17 +59,19 @@ pub(super) fn set_feature_limits(
                 // The tip of a cone: as many normals as faces. Its fan's own normal is their mean, which both faces at an edge share.
                 continue;
             }
-            points.fans.limits[fan] = limits.positions[part.topology.vertex(local) as usize];
-            points.fans.normals[fan] =
-                limits.normals[limits.normal_index(&part.topology, local) as usize];
+            points.fans.limits[fan] =
+                limits.positions[part.topology.vertex(local) as usize].map(|c| c as f32);
+            points.fans.normals[fan] = limits.normals
+                [limits.normal_index(&part.topology, local) as usize]
+                .map(|c| c as f32);
         }
     }
 }
 
 impl Tips {
     pub(super) fn new(
-        level: &Level<f32>,
-        colors: &[[f32; 3]],
+        level: &Level<f64>,
+        colors: &[[f64; 3]],
         rules: &VertexRules,
         options: &Options,
     ) -> Self {
@@ -91,7 +93,7 @@ impl Tips {
 
 /// Refines the rings of the marked vertices alone, and gives what their values (texture coordinates if there are any, else points)
 /// come to.
-fn shrink(level: &Level<f32>, marked: &[bool], options: &Options) -> Vec<(u32, [f32; 3])> {
+fn shrink(level: &Level<f64>, marked: &[bool], options: &Options) -> Vec<(u32, [f32; 3])> {
     let by_value = level.uvs.is_some();
     let mut part = level.part(&around(level, marked));
     // Value of the level, and where it is now.
@@ -122,9 +124,9 @@ fn shrink(level: &Level<f32>, marked: &[bool], options: &Options) -> Vec<(u32, [
     let value = |i: u32| match &part.level.uvs {
         Some(uv) => {
             let [u, v] = uv.values[i as usize];
-            [u, v, 0.0]
+            [u as f32, v as f32, 0.0]
         }
-        None => part.level.points[i as usize],
+        None => part.level.points[i as usize].map(|c| c as f32),
     };
     tracked.iter().map(|&(of, now)| (of, value(now))).collect()
 }
@@ -137,7 +139,7 @@ fn identity(old: &[u32]) -> Vec<(u32, u32)> {
 }
 
 /// Vertex of a value, or of a vertex itself.
-fn vertex_of(level: &Level<f32>, value: u32) -> u32 {
+fn vertex_of(level: &Level<f64>, value: u32) -> u32 {
     match &level.uvs {
         Some(uv) => level.topology.vertex(uv.value_corner(value)),
         None => value,
