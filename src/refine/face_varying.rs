@@ -5,7 +5,7 @@
 //! along the two borders of its span), or semi-sharp (a corner that becomes a crease). Which one is decided at the cage, from the equality
 //! of indices alone, and inherited.
 
-use super::connectivity::child_corner;
+use super::connectivity::Split;
 use super::real::{Real, blend, midpoint};
 use super::sharpness::Step;
 use super::{Timings, edge, face, timed, vertex};
@@ -117,7 +117,7 @@ impl<T: Real> FaceVarying<T> {
         let t = step.topology;
         let starts = timed(&mut timings.connectivity, || self.edge_value_starts(step));
         let edge_values = starts[t.edge_count()] as usize;
-        let (old, faces) = (self.values.len(), t.face_count());
+        let (old, faces) = (self.values.len(), step.face_points());
         let mut values = vec![[T::default(); 2]; old + faces + edge_values];
         let mut value_corners = vec![0; values.len()];
         let (of_vertices, rest) = values.split_at_mut(old);
@@ -140,37 +140,52 @@ impl<T: Real> FaceVarying<T> {
                 .par_iter_mut()
                 .zip(&self.value_corners)
                 .with_min_len(1 << 13)
-                .for_each(|(c, &h)| *c = child_corner(t, h, 0));
+                .for_each(|(c, &h)| *c = step.child_corner(h, 0));
             face_corners
                 .par_iter_mut()
                 .enumerate()
                 .with_min_len(1 << 13)
-                .for_each(|(f, c)| *c = child_corner(t, t.face_halves(f as u32).start, 2));
+                .for_each(|(f, c)| *c = step.child_corner(t.face_halves(f as u32).start, 2));
             for e in 0..t.edge_count() as u32 {
                 let own = starts[e as usize] as usize..starts[e as usize + 1] as usize;
                 for (c, h) in edge_corners[own]
                     .iter_mut()
                     .zip(step.incidence.halves(t, e))
                 {
-                    *c = child_corner(t, h, 1);
+                    *c = step.child_corner(h, 1);
                 }
             }
         });
         let corners = timed(&mut timings.connectivity, || {
+            let edge_value = |h: u32| (old + faces) as u32 + edge_value(step, &starts, h);
             let mut corners = vec![0; 4 * t.half_count()];
-            corners
-                .par_chunks_exact_mut(4)
-                .enumerate()
-                .with_min_len(1 << 12)
-                .for_each(|(h, four)| {
-                    let h = h as u32;
-                    let at = |k: u32| (child_corner(t, h, k) & 3) as usize;
-                    let edge_value = |h: u32| (old + faces) as u32 + edge_value(step, &starts, h);
-                    four[at(0)] = self.corners[h as usize];
-                    four[at(1)] = edge_value(h);
-                    four[at(2)] = old as u32 + t.face_of(h);
-                    four[at(3)] = edge_value(t.prev(h));
-                });
+            match step.split() {
+                Split::Quads => corners
+                    .par_chunks_exact_mut(4)
+                    .enumerate()
+                    .with_min_len(1 << 12)
+                    .for_each(|(h, four)| {
+                        let h = h as u32;
+                        let at = |k: u32| (step.child_corner(h, k) & 3) as usize;
+                        four[at(0)] = self.corners[h as usize];
+                        four[at(1)] = edge_value(h);
+                        four[at(2)] = old as u32 + t.face_of(h);
+                        four[at(3)] = edge_value(t.prev(h));
+                    }),
+                Split::Triangles => corners
+                    .par_chunks_exact_mut(12)
+                    .enumerate()
+                    .with_min_len(1 << 11)
+                    .for_each(|(f, twelve)| {
+                        for h in 3 * f as u32..3 * f as u32 + 3 {
+                            let at = |k: u32| step.child_corner(h, k) as usize - 12 * f;
+                            twelve[at(0)] = self.corners[h as usize];
+                            twelve[at(1)] = edge_value(h);
+                            twelve[at(2)] = edge_value(h);
+                            twelve[at(3)] = edge_value(t.prev(h));
+                        }
+                    }),
+            }
             corners
         });
         Self {
@@ -270,8 +285,8 @@ impl<T: Real> FaceVarying<T> {
             .map(|rank| {
                 let s = self.siblings[rank];
                 Sibling {
-                    first: child_corner(t, s.first, 0),
-                    last: child_corner(t, s.last, 0),
+                    first: step.child_corner(s.first, 0),
+                    last: step.child_corner(s.last, 0),
                     kind: self.sibling_child(step, rank).1,
                     ..s
                 }
@@ -354,7 +369,7 @@ impl<T: Real> FaceVarying<T> {
         } else {
             SiblingKind::Crease
         };
-        let first_value = (self.values.len() + t.face_count()) as u32;
+        let first_value = (self.values.len() + step.face_points()) as u32;
         for e in 0..t.edge_count() as u32 {
             let start = starts[e as usize];
             let own = starts[e as usize + 1] - start;
@@ -363,8 +378,8 @@ impl<T: Real> FaceVarying<T> {
                 for (value, h) in values.zip(step.incidence.halves(t, e)) {
                     siblings.push(Sibling {
                         value,
-                        first: child_corner(t, t.next(h), 3),
-                        last: child_corner(t, h, 1),
+                        first: step.child_corner(t.next(h), 3),
+                        last: step.child_corner(h, 1),
                         kind,
                     });
                 }

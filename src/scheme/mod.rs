@@ -7,6 +7,7 @@ pub mod catmull_clark;
 pub mod crease;
 pub mod dart;
 pub mod limit;
+pub mod loop_scheme;
 
 /// Sharpness from which on an edge or vertex is infinitely sharp and never decays.
 pub const INFINITE_SHARPNESS: f32 = 10.0;
@@ -68,6 +69,17 @@ pub enum Scheme {
     /// Catmull and Clark: cubic B-splines on any polygons.
     #[default]
     CatmullClark,
+    /// Loop: quartic box splines on triangles.
+    Loop,
     /// Face centres and edge midpoints; old vertices stay.
     Bilinear,
+}
+
+impl Scheme {
+    /// Whether faces are triangles that split into four triangles; else any face becomes quads around its centre.
+    #[must_use]
+    #[inline]
+    pub const fn is_triangular(self) -> bool {
+        matches!(self, Self::Loop)
+    }
 }
