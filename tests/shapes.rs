@@ -253,10 +253,7 @@ fn limits() {
 fn odd_shapes_stay_finite() {
     with_shared(|shared| {
         let mut tally = Tally::new("shapes that are no manifold or have edits");
-        for case in cases(shared)
-            .iter()
-            .filter(|c| c.kind != "plain")
-        {
+        for case in cases(shared).iter().filter(|c| c.kind != "plain") {
             let shape = shape(shared, case);
             for n in 0..=3 {
                 let level = refined(&shape, case, n);

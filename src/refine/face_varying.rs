@@ -6,9 +6,10 @@
 //! of indices alone, and inherited.
 
 use super::connectivity::Split;
+use super::interpolating::{Linear, Masks, Sheets};
 use super::real::{Real, blend, midpoint};
 use super::sharpness::Step;
-use super::{Timings, edge, face, timed, vertex};
+use super::{Timings, edge, face, fill, timed, vertex};
 use crate::scheme::crease::{Transition, is_semi_sharp};
 use crate::scheme::{FaceVaryingRule, Scheme};
 use crate::topology::{NONE, Topology};
@@ -123,15 +124,19 @@ impl<T: Real> FaceVarying<T> {
         let (of_vertices, rest) = values.split_at_mut(old);
         let (of_faces, of_edges) = rest.split_at_mut(faces);
 
-        timed(&mut timings.face, || {
-            face::points(step, &self.corners, &self.values, of_faces);
-        });
-        timed(&mut timings.edge, || {
-            self.edge_points(step, &starts, of_faces, of_edges);
-        });
-        let mut siblings = timed(&mut timings.vertex, || {
-            self.vertex_points(step, of_faces, of_vertices)
-        });
+        let mut siblings = if step.options.scheme.is_interpolating() {
+            self.interpolated(step, &starts, timings, of_vertices, of_faces, of_edges)
+        } else {
+            timed(&mut timings.face, || {
+                face::points(step, &self.corners, &self.values, of_faces);
+            });
+            timed(&mut timings.edge, || {
+                self.edge_points(step, &starts, of_faces, of_edges);
+            });
+            timed(&mut timings.vertex, || {
+                self.vertex_points(step, of_faces, of_vertices)
+            })
+        };
         timed(&mut timings.connectivity, || {
             self.edge_siblings(step, &starts, &mut siblings);
             let (vertex_corners, rest) = value_corners.split_at_mut(old);
@@ -220,6 +225,71 @@ impl<T: Real> FaceVarying<T> {
             sum += std::mem::replace(s, sum);
         }
         starts
+    }
+
+    /// Values of interpolating schemes: sheets end at seams. Returns the children of siblings.
+    fn interpolated(
+        &self,
+        step: &Step<'_>,
+        starts: &[u32],
+        timings: &mut Timings,
+        of_vertices: &mut [[T; 2]],
+        of_faces: &mut [[T; 2]],
+        of_edges: &mut [[T; 2]],
+    ) -> Vec<Sibling> {
+        let t = step.topology;
+        let linear = match self.rule {
+            _ if self.linear => Linear::Always,
+            rule if classify::linear_borders(rule) => Linear::Cuts,
+            _ => Linear::Never,
+        };
+        let masks = Masks::default();
+        let sheets = Sheets::<T, T, 2>::of_corners(
+            step,
+            &masks,
+            &self.corners,
+            &self.values,
+            &self.siblings,
+            linear,
+        );
+        of_vertices.copy_from_slice(&self.values);
+        timed(&mut timings.edge, || {
+            let one_each = of_edges.len() == t.edge_count();
+            fill(of_edges, |i| {
+                let e = if one_each {
+                    i
+                } else {
+                    starts.partition_point(|&s| s <= i) as u32 - 1
+                };
+                let start = starts[e as usize];
+                let side = match starts[e as usize + 1] - start {
+                    1 => sheets.side(e),
+                    _ => {
+                        let rank = (i - start) as usize;
+                        step.incidence.halves(t, e).nth(rank).unwrap_or(0)
+                    }
+                };
+                sheets.edge_point(side)
+            });
+        });
+        timed(&mut timings.face, || {
+            if linear == Linear::Always || step.is_linear() {
+                face::points(step, &self.corners, &self.values, of_faces);
+            } else {
+                let edge_point = |h: u32| of_edges[edge_value(step, starts, h) as usize];
+                fill(of_faces, |f| sheets.face_point(4 * f, edge_point));
+            }
+        });
+        let child = |s: &Sibling| Sibling {
+            first: step.child_corner(s.first, 0),
+            last: step.child_corner(s.last, 0),
+            kind: match s.kind {
+                SiblingKind::Corner => SiblingKind::Corner,
+                _ => SiblingKind::Crease,
+            },
+            ..*s
+        };
+        self.siblings.iter().map(child).collect()
     }
 
     fn edge_points(

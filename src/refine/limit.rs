@@ -3,6 +3,8 @@
 //! A vertex and its ring of quads (Loop: of triangles) refine on their own: the ring of the next level needs nothing but this ring. So where masks do not hold
 //! yet (polygons, semi-sharp creases) the ring alone is refined until they do, at no cost for the rest of the mesh. Where sharp edges
 //! divide the ring, every sector has its own normal, and the corners of its faces name it.
+//!
+//! Interpolating schemes have their points for limits, and need two rings for a normal; see the module `interpolating`.
 
 use super::real::Real;
 use super::ring::Spoke;
@@ -13,10 +15,13 @@ use crate::scheme::crease::is_semi_sharp;
 use crate::topology::{NONE, Ring, Topology};
 use rayon::prelude::*;
 
+mod interpolating;
 mod local;
+mod rings;
 mod sectors;
 
 use local::LocalRing;
+use rings::RingMasks;
 use sectors::Tables;
 
 type Point = [f64; 3];
@@ -56,12 +61,19 @@ pub fn limit<T: Real>(level: &Level<T>, options: &Options) -> Limit<T> {
     let t = &level.topology;
     let step = Step::new(t, options);
     let tables = Tables::new(options.scheme == Scheme::Loop);
+    let masks = options
+        .scheme
+        .is_interpolating()
+        .then(|| RingMasks::new(options.scheme));
     let vertices: Vec<VertexLimit> = (0..t.vertex_count() as u32)
         .into_par_iter()
         .with_min_len(1 << 10)
         .map_init(
             || (LocalRing::default(), Vec::new()),
-            |(ring, spokes), v| vertex_limit(&step, &tables, &level.points, v, ring, spokes),
+            |(ring, spokes), v| match &masks {
+                Some(masks) => interpolating::vertex_limit(&step, masks, &level.points, v),
+                None => vertex_limit(&step, &tables, &level.points, v, ring, spokes),
+            },
         )
         .collect();
     let narrow = |p: &Point| p.map(T::from_f64);

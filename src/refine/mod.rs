@@ -12,6 +12,7 @@ pub mod connectivity;
 pub mod edge;
 pub mod face;
 pub mod face_varying;
+pub mod interpolating;
 pub mod limit;
 pub mod real;
 pub mod ring;
@@ -21,10 +22,12 @@ pub mod vertex;
 use crate::mesh::Cage;
 use crate::scheme::{CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
 use crate::topology::{NONE, Topology};
+use interpolating::Sheets;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
 pub use face_varying::FaceVarying;
+pub use interpolating::has_semi_sharp;
 pub use limit::{Limit, limit};
 pub use real::Real;
 
@@ -250,21 +253,22 @@ impl<T: Real> Level<T> {
         let mut points = vec![[T::default(); 3]; t.vertex_count() + faces + edges];
         let (vertex_points, rest) = points.split_at_mut(t.vertex_count());
         let (face_points, edge_points) = rest.split_at_mut(faces);
-        timed(&mut timings.face, || {
-            face::points(&step, &t.corner_vertices, &self.points, face_points);
-        });
-        timed(&mut timings.edge, || {
-            edge::points(
-                &step,
-                &t.corner_vertices,
-                &self.points,
-                face_points,
-                edge_points,
-            );
-        });
-        timed(&mut timings.vertex, || {
-            vertex::points(&step, &self.points, face_points, vertex_points);
-        });
+        if options.scheme.is_interpolating() && !step.is_linear() {
+            timed(&mut timings.vertex, || {
+                vertex_points.copy_from_slice(&self.points);
+            });
+            let masks = interpolating::Masks::default();
+            let sheets = Sheets::<T, T, 3>::of_points(&step, &masks, &self.points);
+            timed(&mut timings.edge, || {
+                fill(edge_points, |e| sheets.edge_point(sheets.side(e)));
+            });
+            timed(&mut timings.face, || {
+                let edge_point = |h: u32| edge_points[t.edge(h) as usize];
+                fill(face_points, |f| sheets.face_point(4 * f, edge_point));
+            });
+        } else {
+            self.approximating_points(&step, timings, vertex_points, face_points, edge_points);
+        }
         let topology = timed(&mut timings.connectivity, || connectivity::child(&step));
         let uvs = self.uvs.as_ref().map(|uv| uv.next(&step, timings));
         Ok(Self {
@@ -276,6 +280,33 @@ impl<T: Real> Level<T> {
             base_corner_faces: self.base_corner_faces.clone(),
             base_face_count: self.base_face_count,
         })
+    }
+
+    /// Points of the schemes that smooth, and of linear steps.
+    fn approximating_points(
+        &self,
+        step: &sharpness::Step<'_>,
+        timings: &mut Timings,
+        vertex_points: &mut [[T; 3]],
+        face_points: &mut [[T; 3]],
+        edge_points: &mut [[T; 3]],
+    ) {
+        let t = &self.topology;
+        timed(&mut timings.face, || {
+            face::points(step, &t.corner_vertices, &self.points, face_points);
+        });
+        timed(&mut timings.edge, || {
+            edge::points(
+                step,
+                &t.corner_vertices,
+                &self.points,
+                face_points,
+                edge_points,
+            );
+        });
+        timed(&mut timings.vertex, || {
+            vertex::points(step, &self.points, face_points, vertex_points);
+        });
     }
 }
 
@@ -295,6 +326,14 @@ pub fn check_triangles(t: &Topology) -> Result<(), RefineError> {
             corners: t.face_halves(face).len() as u32,
         }),
     }
+}
+
+/// Computes every element on its own.
+fn fill<P: Send>(out: &mut [P], of: impl Fn(u32) -> P + Sync) {
+    out.par_iter_mut()
+        .enumerate()
+        .with_min_len(1 << 10)
+        .for_each(|(i, p)| *p = of(i as u32));
 }
 
 fn timed<R>(total: &mut Duration, work: impl FnOnce() -> R) -> R {

@@ -40,11 +40,15 @@ impl<'a> Step<'a> {
         step
     }
 
-    /// Whether points are linear: midpoints, and vertices that stay.
+    /// Whether points are linear: midpoints, and vertices that stay. In Kobbelt's scheme that is the step that makes quads of polygons.
     #[must_use]
     #[inline]
     pub fn is_linear(&self) -> bool {
-        self.options.scheme == Scheme::Bilinear
+        match self.options.scheme {
+            Scheme::Bilinear => true,
+            Scheme::Kobbelt => !self.topology.all_quads(),
+            _ => false,
+        }
     }
 
     /// What faces split into.

@@ -19,7 +19,7 @@ pub struct DartMasks {
     pub tangents: [RingMask; 2],
 }
 
-type Matrix = Vec<Vec<f64>>;
+pub(crate) type Matrix = Vec<Vec<f64>>;
 
 /// The local matrix on vectors that are symmetric about edge 0: the vertex, edges 0 to n/2, faces 0 to (n − 1)/2.
 fn even_matrix(n: usize) -> Matrix {
@@ -100,7 +100,7 @@ fn times(a: &Matrix, b: &Matrix) -> Matrix {
 }
 
 /// The left eigenvector of the eigenvalue of largest magnitude, by repeated squaring.
-fn dominant_left(mut m: Matrix) -> Vec<f64> {
+pub(crate) fn dominant_left(mut m: Matrix) -> Vec<f64> {
     for _ in 0..28 {
         m = times(&m, &m);
         let largest = m.iter().flatten().fold(0.0_f64, |a, x| a.max(x.abs()));

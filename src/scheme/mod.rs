@@ -3,9 +3,12 @@
 //! Sources: Catmull, Clark, *Recursively generated B-spline surfaces on arbitrary topological meshes*, 1978; Loop, *Smooth
 //! subdivision surfaces based on triangles*, 1987; DeRose, Kass, Truong, *Subdivision surfaces in character animation*, 1998.
 
+pub mod butterfly;
+pub mod by_valence;
 pub mod catmull_clark;
 pub mod crease;
 pub mod dart;
+pub mod kobbelt;
 pub mod limit;
 pub mod loop_scheme;
 
@@ -71,6 +74,10 @@ pub enum Scheme {
     CatmullClark,
     /// Loop: quartic box splines on triangles.
     Loop,
+    /// Modified Butterfly, after Zorin, Schröder and Sweldens: interpolates triangles.
+    Butterfly,
+    /// Kobbelt's scheme: interpolates quads. Cages with other polygons are split linearly once.
+    Kobbelt,
     /// Face centres and edge midpoints; old vertices stay.
     Bilinear,
 }
@@ -80,6 +87,13 @@ impl Scheme {
     #[must_use]
     #[inline]
     pub const fn is_triangular(self) -> bool {
-        matches!(self, Self::Loop)
+        matches!(self, Self::Loop | Self::Butterfly)
+    }
+
+    /// Whether old vertices stay, and new points have smooth rules: Butterfly and Kobbelt's. Semi-sharp creases mean nothing to them.
+    #[must_use]
+    #[inline]
+    pub const fn is_interpolating(self) -> bool {
+        matches!(self, Self::Butterfly | Self::Kobbelt)
     }
 }

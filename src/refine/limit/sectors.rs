@@ -75,7 +75,7 @@ impl Tables {
     }
 }
 
-fn cross(a: &Point, b: &Point) -> Point {
+pub(super) fn cross(a: &Point, b: &Point) -> Point {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -83,16 +83,16 @@ fn cross(a: &Point, b: &Point) -> Point {
     ]
 }
 
-fn dot(a: &Point, b: &Point) -> f64 {
+pub(super) fn dot(a: &Point, b: &Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn minus(a: &Point, b: &Point) -> Point {
+pub(super) fn minus(a: &Point, b: &Point) -> Point {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `v` with length 1, or nothing when it has no direction.
-fn unit(v: Point) -> Option<Point> {
+pub(super) fn unit(v: Point) -> Option<Point> {
     // Scale first: squares of small tangents would vanish.
     let largest = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
     if !(largest > 0.0 && largest.is_finite()) {
@@ -104,7 +104,7 @@ fn unit(v: Point) -> Option<Point> {
 }
 
 /// The direction across both tangents, unless they are parallel or vanish.
-fn across(tangents: [Point; 2]) -> Option<Point> {
+pub(super) fn across(tangents: [Point; 2]) -> Option<Point> {
     let [Some(a), Some(b)] = tangents.map(unit) else {
         return None;
     };
