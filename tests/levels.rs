@@ -72,7 +72,7 @@ fn non_manifold_meshes_stay_welded() {
         assert_close(&level.points[2], &points[2], 0.0);
         let limits = limit(&level, &Options::default());
         assert_close(&limits.positions[2], &points[2], 0.0);
-        let c = counts(&level.topology, 1);
+        let c = counts(&level.topology, Scheme::CatmullClark, 1);
         level = step(level, 1);
         assert_eq!(level.points.len() as u128, c.vertices);
         // One midpoint on the edge that three quads share.
@@ -93,7 +93,7 @@ fn budgets_are_known_ahead() {
         let mut level = base.clone();
         for k in 1..=3 {
             level = step(level, 1);
-            let c = counts(&base.topology, k);
+            let c = counts(&base.topology, Scheme::CatmullClark, k);
             assert_eq!(c.vertices, level.points.len() as u128);
             assert_eq!(c.faces, level.topology.face_count() as u128);
             assert_eq!(c.edges, level.topology.edge_count() as u128);
@@ -101,7 +101,7 @@ fn budgets_are_known_ahead() {
         }
     }
     let level = || cube().level(Boundary::EdgeAndCorner);
-    let needed = level().predicted_bytes(5);
+    let needed = level().predicted_bytes(Scheme::CatmullClark, 5);
     let go = |max: u64| {
         refine(
             level(),
@@ -124,7 +124,10 @@ fn budgets_are_known_ahead() {
         &mut Timings::default(),
     );
     assert!(matches!(far, Err(RefineError::TooManyCorners { .. })));
-    assert_eq!(predicted_bytes(&level().topology, u32::MAX), u128::MAX);
+    assert_eq!(
+        predicted_bytes(&level().topology, Scheme::CatmullClark, u32::MAX),
+        u128::MAX
+    );
 }
 
 #[test]

@@ -145,7 +145,7 @@ fn refine(
         limits.max_faces.get_or_insert(MAX_FACES);
         limits
     };
-    let last = counts(&base.topology, a.level);
+    let last = counts(&base.topology, options.scheme, a.level);
     limits.faces(last.faces)?;
     if last.corners >= u128::from(NONE) {
         return Err(RefineError::TooManyCorners {
@@ -155,7 +155,7 @@ fn refine(
         .into());
     }
     let limit_bytes = if a.limit { LIMIT_BYTES } else { 0 };
-    let wanted = base.predicted_bytes(a.level) + last.vertices * limit_bytes;
+    let wanted = base.predicted_bytes(options.scheme, a.level) + last.vertices * limit_bytes;
     limits.memory("the refined mesh", wanted)?;
 
     watch::phase(Phase::Refining);

@@ -1,4 +1,5 @@
-//! The topology of the next level: child `h` of every corner `h`, a quad.
+//! The topology of the next level. Every corner `h` has a child face: a quad, or a triangle, and then the four of a face have the child of
+//! its middle in the last place.
 //!
 //! Unlike [`topology::split`](crate::topology::split), which serves the per-quad path, edges stay welded where the mesh is not manifold and
 //! semi-sharp tags are carried on.
@@ -11,13 +12,31 @@ use rayon::prelude::*;
 /// Elements per task.
 const RUN: usize = 1 << 12;
 
-/// Corner `k` of child `h`, where `k` is 0 for the vertex, 1 for the edge point of `h`, 2 for the face point, 3 for the edge point before.
+/// What faces split into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// Quads around the face point, one per corner.
+    Quads,
+    /// Four triangles, one per corner and one in the middle. All faces must be triangles.
+    Triangles,
+}
+
+/// Corner `k` of the children of corner `h`, where `k` is 0 for the vertex, 1 for the edge point of `h`, 3 for the edge point before, all
+/// three in the child at `h`; and 2 for the face point in the child at `h`, or for the edge point of `h` in the triangle in the middle.
 ///
-/// The vertex stands at position 0 of the child, but in children of quads at the position it has in the parent: so children keep the
-/// parent's directions of u and v.
+/// The vertex stands at position 0 of the child, but in children of quads and triangles at the position it has in the parent: so children
+/// keep the parent's directions of u and v.
 #[must_use]
 #[inline]
-pub fn child_corner(t: &Topology, h: u32, k: u32) -> u32 {
+pub fn child_corner(split: Split, t: &Topology, h: u32, k: u32) -> u32 {
+    if split == Split::Triangles {
+        let (first, at) = (h - h % 3, h % 3);
+        return match k {
+            2 => 4 * first + 9 + (at + 2) % 3,
+            3 => 4 * first + 3 * at + (at + 2) % 3,
+            k => 4 * first + 3 * at + (at + k) % 3,
+        };
+    }
     let turn = if t.all_quads() {
         h & 3
     } else {
@@ -32,60 +51,58 @@ pub fn child_corner(t: &Topology, h: u32, k: u32) -> u32 {
 pub fn child(step: &Step<'_>) -> Topology {
     let t = step.topology;
     let halves = t.half_count();
-    let (vertices, faces, edges) = (t.vertex_count(), t.face_count(), t.edge_count());
-    let first_edge = (vertices + faces) as u32;
-    let vertex_count = vertices + faces + edges;
-
+    let vertex_count = step.first_edge_point() + t.edge_count();
     let mut corner_vertices = vec![0_u32; 4 * halves];
     let mut twins = vec![NONE; 4 * halves];
-    let mut child_edges = vec![0_u32; 4 * halves];
+    let mut edges = vec![0_u32; 4 * halves];
+    let triangles = step.split() == Split::Triangles;
+    // The children of a face of triangles, or of a corner.
+    let group = if triangles { 12 } else { 4 };
     corner_vertices
-        .par_chunks_exact_mut(4)
-        .zip(twins.par_chunks_exact_mut(4))
-        .zip(child_edges.par_chunks_exact_mut(4))
+        .par_chunks_exact_mut(group)
+        .zip(twins.par_chunks_exact_mut(group))
+        .zip(edges.par_chunks_exact_mut(group))
         .enumerate()
         .with_min_len(RUN)
-        .for_each(|(h, ((vertex_of, twin_of), edge_of))| {
-            let h = h as u32;
-            let (before, next) = (t.prev(h), t.next(h));
-            let at = |k: u32| (child_corner(t, h, k) & 3) as usize;
-            vertex_of[at(0)] = t.vertex(h);
-            vertex_of[at(1)] = first_edge + t.edge(h);
-            vertex_of[at(2)] = vertices as u32 + t.face_of(h);
-            vertex_of[at(3)] = first_edge + t.edge(before);
-            twin_of[at(1)] = child_corner(t, next, 2);
-            twin_of[at(2)] = child_corner(t, before, 1);
-            let twin = t.twin(h);
-            if twin != NONE {
-                twin_of[at(0)] = child_corner(t, t.next(twin), 3);
+        .for_each(|(i, ((vertices, twins), edges))| {
+            let mut out = Corners {
+                base: (group * i) as u32,
+                vertices,
+                twins,
+                edges,
+            };
+            let i = i as u32;
+            if triangles {
+                (3 * i..3 * i + 3).for_each(|h| out.fill(step, h));
+            } else {
+                out.fill(step, i);
             }
-            let twin = t.twin(before);
-            if twin != NONE {
-                twin_of[at(3)] = child_corner(t, twin, 0);
-            }
-            // Child edges: those inside faces, one per parent corner, then two per parent edge.
-            edge_of[at(0)] = halves as u32 + 2 * t.edge(h) + start_end(t, h);
-            edge_of[at(1)] = h;
-            edge_of[at(2)] = before;
-            edge_of[at(3)] = halves as u32 + 2 * t.edge(before) + 1 - start_end(t, before);
         });
     let (fans, extra_fan_vertices, corner_fans) = child_fans(step, vertex_count);
     let mut holes = Vec::new();
     if !t.holes.is_empty() {
-        holes = (0..halves as u32)
+        // Children of a face of triangles, or of a corner: both come to as many as there are corners, or 4/3 of them.
+        let count = 4 * halves / if triangles { 3 } else { 4 };
+        holes = (0..count as u32)
             .into_par_iter()
             .with_min_len(RUN)
-            .map(|h| t.is_hole(t.face_of(h)))
+            .map(|c| t.is_hole(if triangles { c / 4 } else { t.face_of(c) }))
             .collect();
+    }
+    let (mut face_offsets, mut corner_faces) = (Vec::new(), Vec::new());
+    if triangles {
+        let corners = 4 * halves as u32;
+        face_offsets = (0..=corners / 3).into_par_iter().map(|f| 3 * f).collect();
+        corner_faces = (0..corners).into_par_iter().map(|h| h / 3).collect();
     }
     Topology {
         vertex_count,
-        face_offsets: Vec::new(),
-        corner_faces: Vec::new(),
+        face_offsets,
+        corner_faces,
         corner_vertices,
         corner_fans,
         twins,
-        edges: child_edges,
+        edges,
         edge_halves: child_edge_halves(step),
         fans,
         extra_fan_vertices,
@@ -95,12 +112,67 @@ pub fn child(step: &Step<'_>) -> Topology {
     }
 }
 
+/// Corners of the child faces from corner `base` on.
+struct Corners<'a> {
+    base: u32,
+    vertices: &'a mut [u32],
+    twins: &'a mut [u32],
+    edges: &'a mut [u32],
+}
+
+impl Corners<'_> {
+    fn set(&mut self, corner: u32, vertex: u32, edge: u32, twin: u32) {
+        let at = (corner - self.base) as usize;
+        self.vertices[at] = vertex;
+        self.edges[at] = edge;
+        self.twins[at] = twin;
+    }
+
+    /// Fills the four child corners that belong to corner `h`.
+    fn fill(&mut self, step: &Step<'_>, h: u32) {
+        let t = step.topology;
+        let halves = t.half_count() as u32;
+        let first_edge = step.first_edge_point() as u32;
+        let (before, next) = (t.prev(h), t.next(h));
+        let own = |k: u32| step.child_corner(h, k);
+        // Child edges: those inside faces, one per parent corner, then two per parent edge.
+        let outer = |h: u32, end: u32| halves + 2 * t.edge(h) + end;
+        let ahead = match t.twin(h) {
+            NONE => NONE,
+            twin => step.child_corner(t.next(twin), 3),
+        };
+        let behind = match t.twin(before) {
+            NONE => NONE,
+            twin => step.child_corner(twin, 0),
+        };
+        let (start, end) = (
+            outer(h, start_end(t, h)),
+            outer(before, 1 - start_end(t, before)),
+        );
+        let (edge_point, edge_before) = (first_edge + t.edge(h), first_edge + t.edge(before));
+        self.set(own(0), t.vertex(h), start, ahead);
+        if step.split() == Split::Triangles {
+            // The middle triangle lies beyond the side from this edge point to the one before; it leaves that one there.
+            self.set(own(1), edge_point, h, step.child_corner(before, 2));
+            self.set(own(3), edge_before, end, behind);
+            // Its side from here leads to the next edge point, along the child of the next corner.
+            self.set(own(2), edge_point, next, step.child_corner(next, 1));
+        } else {
+            self.set(own(1), edge_point, h, step.child_corner(next, 2));
+            let face_point = t.vertex_count() as u32 + t.face_of(h);
+            self.set(own(2), face_point, before, step.child_corner(before, 1));
+            self.set(own(3), edge_before, end, behind);
+        }
+    }
+}
+
 /// The child half-edge on the part of edge `edge(h)` at end `end` that lies in the face of `h`.
-fn half_at_end(t: &Topology, h: u32, end: u32) -> u32 {
+fn half_at_end(step: &Step<'_>, h: u32, end: u32) -> u32 {
+    let t = step.topology;
     if start_end(t, h) == end {
-        child_corner(t, h, 0)
+        step.child_corner(h, 0)
     } else {
-        child_corner(t, t.next(h), 3)
+        step.child_corner(t.next(h), 3)
     }
 }
 
@@ -115,7 +187,11 @@ fn child_edge_halves(step: &Step<'_>) -> Vec<u32> {
         .with_min_len(RUN)
         .for_each(|(h, half)| {
             let h = h as u32;
-            *half = child_corner(t, h, 1).min(child_corner(t, t.next(h), 2));
+            let beyond = match step.split() {
+                Split::Quads => t.next(h),
+                Split::Triangles => t.prev(h),
+            };
+            *half = step.child_corner(h, 1).min(step.child_corner(beyond, 2));
         });
     outer
         .par_chunks_exact_mut(2)
@@ -126,7 +202,7 @@ fn child_edge_halves(step: &Step<'_>) -> Vec<u32> {
                 *half = step
                     .incidence
                     .halves(t, e as u32)
-                    .map(|h| half_at_end(t, h, end as u32))
+                    .map(|h| half_at_end(step, h, end as u32))
                     .fold(NONE, u32::min);
             }
         });
@@ -136,7 +212,9 @@ fn child_edge_halves(step: &Step<'_>) -> Vec<u32> {
 /// Fans of the child, vertices of its extra fans, and the fan of every corner where there are extra fans.
 fn child_fans(step: &Step<'_>, vertex_count: usize) -> (Vec<Fan>, Vec<u32>, Vec<u32>) {
     let t = step.topology;
-    let (vertices, faces) = (t.vertex_count(), t.face_count());
+    let vertices = t.vertex_count();
+    let faces = step.first_edge_point() - vertices;
+    let split = step.split();
     let extra_halves = step.incidence.all_extra_halves();
     let none = Fan {
         first: NONE,
@@ -148,13 +226,13 @@ fn child_fans(step: &Step<'_>, vertex_count: usize) -> (Vec<Fan>, Vec<u32>, Vec<
         first: if fan.first == NONE {
             NONE
         } else {
-            child_corner(t, fan.first, 0)
+            step.child_corner(fan.first, 0)
         },
         ..*fan
     };
     let open_at = |h: u32| Fan {
-        first: child_corner(t, t.next(h), 3),
-        faces: 2,
+        first: step.child_corner(t.next(h), 3),
+        faces: if split == Split::Triangles { 3 } else { 2 },
         closed: false,
         rule: FanRule::Crease,
     };
@@ -175,7 +253,7 @@ fn child_fans(step: &Step<'_>, vertex_count: usize) -> (Vec<Fan>, Vec<u32>, Vec<
             *child = Fan {
                 first: range
                     .clone()
-                    .map(|h| child_corner(t, h, 2))
+                    .map(|h| step.child_corner(h, 2))
                     .fold(NONE, u32::min),
                 faces: range.len() as u32,
                 closed: true,
@@ -193,14 +271,15 @@ fn child_fans(step: &Step<'_>, vertex_count: usize) -> (Vec<Fan>, Vec<u32>, Vec<
                 open_at(h)
             } else {
                 let around = [
-                    child_corner(t, h, 1),
-                    child_corner(t, t.next(h), 3),
-                    child_corner(t, twin, 1),
-                    child_corner(t, t.next(twin), 3),
+                    step.child_corner(h, 1),
+                    step.child_corner(t.next(h), 3),
+                    step.child_corner(twin, 1),
+                    step.child_corner(t.next(twin), 3),
                 ];
+                // The middle triangles come after their siblings, so they are never the first.
                 Fan {
                     first: around.into_iter().fold(NONE, u32::min),
-                    faces: 4,
+                    faces: if split == Split::Triangles { 6 } else { 4 },
                     closed: true,
                     rule: FanRule::Smooth,
                 }
@@ -212,7 +291,7 @@ fn child_fans(step: &Step<'_>, vertex_count: usize) -> (Vec<Fan>, Vec<u32>, Vec<
     // Not manifold: extra fans of vertices first, then one per extra half-edge.
     fans.extend(t.fans[vertices..].iter().map(of_fan));
     fans.extend(extra_halves.iter().map(|&(_, h)| open_at(h)));
-    let first_edge = (vertices + faces) as u32;
+    let first_edge = step.first_edge_point() as u32;
     let mut extra = t.extra_fan_vertices.clone();
     let first_extra_half = (vertex_count + extra.len()) as u32;
     extra.extend(extra_halves.iter().map(|&(e, _)| first_edge + e));
@@ -229,10 +308,13 @@ fn child_fans(step: &Step<'_>, vertex_count: usize) -> (Vec<Fan>, Vec<u32>, Vec<
         } else {
             fan + beyond
         };
-        corner_fans[child_corner(t, h, 0) as usize] = moved;
-        corner_fans[child_corner(t, h, 1) as usize] = edge_fan(h);
-        corner_fans[child_corner(t, h, 2) as usize] = vertices as u32 + t.face_of(h);
-        corner_fans[child_corner(t, h, 3) as usize] = edge_fan(t.prev(h));
+        corner_fans[step.child_corner(h, 0) as usize] = moved;
+        corner_fans[step.child_corner(h, 1) as usize] = edge_fan(h);
+        corner_fans[step.child_corner(h, 2) as usize] = match split {
+            Split::Quads => vertices as u32 + t.face_of(h),
+            Split::Triangles => edge_fan(h),
+        };
+        corner_fans[step.child_corner(h, 3) as usize] = edge_fan(t.prev(h));
     }
     (fans, extra, corner_fans)
 }

@@ -2,7 +2,7 @@
 
 use super::real::{Real, add, add_scaled, blend, midpoint, scaled};
 use super::sharpness::Step;
-use crate::scheme::{TriangleRule, catmull_clark, crease};
+use crate::scheme::{Scheme, TriangleRule, catmull_clark, crease, loop_scheme};
 use crate::topology::NONE;
 use rayon::prelude::*;
 
@@ -43,14 +43,26 @@ pub(crate) fn value<T: Real, const N: usize>(
     if weight == 1.0 {
         return midpoint(a, b);
     }
+    let mut ends = *a;
+    add(&mut ends, b);
+    if step.options.scheme == Scheme::Loop {
+        let [c, d] = [h, twin].map(|h| &values[index[t.prev(h) as usize] as usize]);
+        let mut opposite = *c;
+        add(&mut opposite, d);
+        let mut smooth = scaled(loop_scheme::EDGE_OPPOSITE, &opposite);
+        add_scaled(&mut smooth, loop_scheme::EDGE_END, &ends);
+        return if weight == 0.0 {
+            smooth
+        } else {
+            blend(weight, &midpoint(a, b), &smooth)
+        };
+    }
     let faces = [t.face_of(h), t.face_of(twin)];
     let face_weight = if step.options.triangles == TriangleRule::Smooth {
         catmull_clark::edge_face_beside_triangles(faces.map(|f| t.face_halves(f).len() as u32))
     } else {
         catmull_clark::EDGE_FACE
     };
-    let mut ends = *a;
-    add(&mut ends, b);
     let mut middles = face_point(faces[0]);
     add(&mut middles, &face_point(faces[1]));
     let mut smooth = scaled(0.5 - face_weight, &ends);

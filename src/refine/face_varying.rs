@@ -5,10 +5,11 @@
 //! along the two borders of its span), or semi-sharp (a corner that becomes a crease). Which one is decided at the cage, from the equality
 //! of indices alone, and inherited.
 
-use super::connectivity::child_corner;
+use super::connectivity::Split;
+use super::interpolating::{Linear, Masks, Sheets};
 use super::real::{Real, blend, midpoint};
 use super::sharpness::Step;
-use super::{Timings, edge, face, timed, vertex};
+use super::{Timings, edge, face, fill, timed, vertex};
 use crate::scheme::crease::{Transition, is_semi_sharp};
 use crate::scheme::{FaceVaryingRule, Scheme};
 use crate::topology::{NONE, Topology};
@@ -130,21 +131,25 @@ impl<T: Real> FaceVarying<T> {
         let t = step.topology;
         let starts = timed(&mut timings.connectivity, || self.edge_value_starts(step));
         let edge_values = starts[t.edge_count()] as usize;
-        let (old, faces) = (self.values.len(), t.face_count());
+        let (old, faces) = (self.values.len(), step.face_points());
         let mut values = vec![[T::default(); 2]; old + faces + edge_values];
         let mut value_corners = vec![0; values.len()];
         let (of_vertices, rest) = values.split_at_mut(old);
         let (of_faces, of_edges) = rest.split_at_mut(faces);
 
-        timed(&mut timings.face, || {
-            face::points(step, &self.corners, &self.values, of_faces);
-        });
-        timed(&mut timings.edge, || {
-            self.edge_points(step, &starts, of_faces, of_edges);
-        });
-        let mut siblings = timed(&mut timings.vertex, || {
-            self.vertex_points(step, of_faces, of_vertices)
-        });
+        let mut siblings = if step.options.scheme.is_interpolating() {
+            self.interpolated(step, &starts, timings, of_vertices, of_faces, of_edges)
+        } else {
+            timed(&mut timings.face, || {
+                face::points(step, &self.corners, &self.values, of_faces);
+            });
+            timed(&mut timings.edge, || {
+                self.edge_points(step, &starts, of_faces, of_edges);
+            });
+            timed(&mut timings.vertex, || {
+                self.vertex_points(step, of_faces, of_vertices)
+            })
+        };
         timed(&mut timings.connectivity, || {
             self.edge_siblings(step, &starts, &mut siblings);
             let (vertex_corners, rest) = value_corners.split_at_mut(old);
@@ -153,37 +158,52 @@ impl<T: Real> FaceVarying<T> {
                 .par_iter_mut()
                 .zip(&self.value_corners)
                 .with_min_len(1 << 13)
-                .for_each(|(c, &h)| *c = child_corner(t, h, 0));
+                .for_each(|(c, &h)| *c = step.child_corner(h, 0));
             face_corners
                 .par_iter_mut()
                 .enumerate()
                 .with_min_len(1 << 13)
-                .for_each(|(f, c)| *c = child_corner(t, t.face_halves(f as u32).start, 2));
+                .for_each(|(f, c)| *c = step.child_corner(t.face_halves(f as u32).start, 2));
             for e in 0..t.edge_count() as u32 {
                 let own = starts[e as usize] as usize..starts[e as usize + 1] as usize;
                 for (c, h) in edge_corners[own]
                     .iter_mut()
                     .zip(step.incidence.halves(t, e))
                 {
-                    *c = child_corner(t, h, 1);
+                    *c = step.child_corner(h, 1);
                 }
             }
         });
         let corners = timed(&mut timings.connectivity, || {
+            let edge_value = |h: u32| (old + faces) as u32 + edge_value(step, &starts, h);
             let mut corners = vec![0; 4 * t.half_count()];
-            corners
-                .par_chunks_exact_mut(4)
-                .enumerate()
-                .with_min_len(1 << 12)
-                .for_each(|(h, four)| {
-                    let h = h as u32;
-                    let at = |k: u32| (child_corner(t, h, k) & 3) as usize;
-                    let edge_value = |h: u32| (old + faces) as u32 + edge_value(step, &starts, h);
-                    four[at(0)] = self.corners[h as usize];
-                    four[at(1)] = edge_value(h);
-                    four[at(2)] = old as u32 + t.face_of(h);
-                    four[at(3)] = edge_value(t.prev(h));
-                });
+            match step.split() {
+                Split::Quads => corners
+                    .par_chunks_exact_mut(4)
+                    .enumerate()
+                    .with_min_len(1 << 12)
+                    .for_each(|(h, four)| {
+                        let h = h as u32;
+                        let at = |k: u32| (step.child_corner(h, k) & 3) as usize;
+                        four[at(0)] = self.corners[h as usize];
+                        four[at(1)] = edge_value(h);
+                        four[at(2)] = old as u32 + t.face_of(h);
+                        four[at(3)] = edge_value(t.prev(h));
+                    }),
+                Split::Triangles => corners
+                    .par_chunks_exact_mut(12)
+                    .enumerate()
+                    .with_min_len(1 << 11)
+                    .for_each(|(f, twelve)| {
+                        for h in 3 * f as u32..3 * f as u32 + 3 {
+                            let at = |k: u32| step.child_corner(h, k) as usize - 12 * f;
+                            twelve[at(0)] = self.corners[h as usize];
+                            twelve[at(1)] = edge_value(h);
+                            twelve[at(2)] = edge_value(h);
+                            twelve[at(3)] = edge_value(t.prev(h));
+                        }
+                    }),
+            }
             corners
         });
         Self {
@@ -218,6 +238,71 @@ impl<T: Real> FaceVarying<T> {
             sum += std::mem::replace(s, sum);
         }
         starts
+    }
+
+    /// Values of interpolating schemes: sheets end at seams. Returns the children of siblings.
+    fn interpolated(
+        &self,
+        step: &Step<'_>,
+        starts: &[u32],
+        timings: &mut Timings,
+        of_vertices: &mut [[T; 2]],
+        of_faces: &mut [[T; 2]],
+        of_edges: &mut [[T; 2]],
+    ) -> Vec<Sibling> {
+        let t = step.topology;
+        let linear = match self.rule {
+            _ if self.linear => Linear::Always,
+            rule if classify::linear_borders(rule) => Linear::Cuts,
+            _ => Linear::Never,
+        };
+        let masks = Masks::default();
+        let sheets = Sheets::<T, T, 2>::of_corners(
+            step,
+            &masks,
+            &self.corners,
+            &self.values,
+            &self.siblings,
+            linear,
+        );
+        of_vertices.copy_from_slice(&self.values);
+        timed(&mut timings.edge, || {
+            let one_each = of_edges.len() == t.edge_count();
+            fill(of_edges, |i| {
+                let e = if one_each {
+                    i
+                } else {
+                    starts.partition_point(|&s| s <= i) as u32 - 1
+                };
+                let start = starts[e as usize];
+                let side = match starts[e as usize + 1] - start {
+                    1 => sheets.side(e),
+                    _ => {
+                        let rank = (i - start) as usize;
+                        step.incidence.halves(t, e).nth(rank).unwrap_or(0)
+                    }
+                };
+                sheets.edge_point(side)
+            });
+        });
+        timed(&mut timings.face, || {
+            if linear == Linear::Always || step.is_linear() {
+                face::points(step, &self.corners, &self.values, of_faces);
+            } else {
+                let edge_point = |h: u32| of_edges[edge_value(step, starts, h) as usize];
+                fill(of_faces, |f| sheets.face_point(4 * f, edge_point));
+            }
+        });
+        let child = |s: &Sibling| Sibling {
+            first: step.child_corner(s.first, 0),
+            last: step.child_corner(s.last, 0),
+            kind: match s.kind {
+                SiblingKind::Corner => SiblingKind::Corner,
+                _ => SiblingKind::Crease,
+            },
+            ..*s
+        };
+        self.siblings.iter().map(child).collect()
     }
 
     fn edge_points(
@@ -283,8 +368,8 @@ impl<T: Real> FaceVarying<T> {
             .map(|rank| {
                 let s = self.siblings[rank];
                 Sibling {
-                    first: child_corner(t, s.first, 0),
-                    last: child_corner(t, s.last, 0),
+                    first: step.child_corner(s.first, 0),
+                    last: step.child_corner(s.last, 0),
                     kind: self.sibling_child(step, rank).1,
                     ..s
                 }
@@ -367,7 +452,7 @@ impl<T: Real> FaceVarying<T> {
         } else {
             SiblingKind::Crease
         };
-        let first_value = (self.values.len() + t.face_count()) as u32;
+        let first_value = (self.values.len() + step.face_points()) as u32;
         for e in 0..t.edge_count() as u32 {
             let start = starts[e as usize];
             let own = starts[e as usize + 1] - start;
@@ -376,8 +461,8 @@ impl<T: Real> FaceVarying<T> {
                 for (value, h) in values.zip(step.incidence.halves(t, e)) {
                     siblings.push(Sibling {
                         value,
-                        first: child_corner(t, t.next(h), 3),
-                        last: child_corner(t, h, 1),
+                        first: step.child_corner(t.next(h), 3),
+                        last: step.child_corner(h, 1),
                         kind,
                     });
                 }

@@ -1,21 +1,27 @@
 //! Limit positions and unit limit normals of the vertices of a level.
 //!
-//! A vertex and its ring of quads refine on their own: the ring of the next level needs nothing but this ring. So where masks do not hold
+//! A vertex and its ring of quads (Loop: of triangles) refine on their own: the ring of the next level needs nothing but this ring. So where masks do not hold
 //! yet (polygons, semi-sharp creases) the ring alone is refined until they do, at no cost for the rest of the mesh. Where sharp edges
 //! divide the ring, every sector has its own normal, and the corners of its faces name it.
+//!
+//! Interpolating schemes have their points for limits, and need two rings for a normal; see the module `interpolating`.
 
 use super::real::Real;
 use super::ring::Spoke;
 use super::sharpness::Step;
 use super::{Level, Options, edge, face, vertex};
+use crate::scheme::Scheme;
 use crate::scheme::crease::is_semi_sharp;
 use crate::topology::{NONE, Ring, Topology};
 use rayon::prelude::*;
 
+mod interpolating;
 mod local;
+mod rings;
 mod sectors;
 
 use local::LocalRing;
+use rings::RingMasks;
 use sectors::Tables;
 
 type Point = [f64; 3];
@@ -54,13 +60,20 @@ struct VertexLimit {
 pub fn limit<T: Real>(level: &Level<T>, options: &Options) -> Limit<T> {
     let t = &level.topology;
     let step = Step::new(t, options);
-    let tables = Tables::new();
+    let tables = Tables::new(options.scheme == Scheme::Loop);
+    let masks = options
+        .scheme
+        .is_interpolating()
+        .then(|| RingMasks::new(options.scheme));
     let vertices: Vec<VertexLimit> = (0..t.vertex_count() as u32)
         .into_par_iter()
         .with_min_len(1 << 10)
         .map_init(
             || (LocalRing::default(), Vec::new()),
-            |(ring, spokes), v| vertex_limit(&step, &tables, &level.points, v, ring, spokes),
+            |(ring, spokes), v| match &masks {
+                Some(masks) => interpolating::vertex_limit(&step, masks, &level.points, v),
+                None => vertex_limit(&step, &tables, &level.points, v, ring, spokes),
+            },
         )
         .collect();
     let narrow = |p: &Point| p.map(T::from_f64);
@@ -141,7 +154,7 @@ fn vertex_limit<T: Real>(
     }
 }
 
-/// Fills `ring` with the ring of quads around one fan of vertex `v`: of this level if masks hold here, else of the next.
+/// Fills `ring` with the ring of faces around one fan of vertex `v`: of this level if masks hold here, else of the next.
 fn fan_ring<T: Real>(
     step: &Step<'_>,
     points: &[[T; 3]],
@@ -153,16 +166,18 @@ fn fan_ring<T: Real>(
     let t = step.topology;
     let index = &t.corner_vertices;
     let wide = |p: [T; 3]| p.map(T::to_f64);
-    ring.clear(t.fans()[fan as usize].closed);
-    let quads =
-        t.all_quads() || Ring::of_fan(t, fan).all(|h| t.face_halves(t.face_of(h)).len() == 4);
+    let triangles = step.options.scheme == Scheme::Loop;
+    ring.clear(t.fans()[fan as usize].closed, triangles);
+    let masks_hold = triangles
+        || t.all_quads()
+        || Ring::of_fan(t, fan).all(|h| t.face_halves(t.face_of(h)).len() == 4);
     step.incidence.spokes(t, v, spokes);
     let semi_sharp = is_semi_sharp(t.vertex_sharpness(v))
         || spokes
             .iter()
             .any(|s| is_semi_sharp(t.edge_sharpness(s.edge)));
     let face_point = |f: u32| face::value(step, f, index, points);
-    let here = quads && !semi_sharp || step.is_linear();
+    let here = masks_hold && !semi_sharp || step.is_linear();
     if here {
         ring.x = wide(points[v as usize]);
         ring.sigma = t.vertex_sharpness(v);
@@ -190,6 +205,9 @@ fn fan_ring<T: Real>(
                 far,
             );
         }
+    }
+    if triangles {
+        return;
     }
     for h in Ring::of_fan(t, fan) {
         ring.faces.push(if here {

@@ -5,13 +5,14 @@
 //! the path of export, and the oracle of the per-quad path, hence generic over `f32` and `f64`.
 //!
 //! Points belong to vertices, not to fans: where the mesh is not manifold, all fans of a vertex share one point, as in OpenSubdiv.
-//! Children are numbered as OpenSubdiv does: those of vertices, then of faces, then of edges. So vertex `i` of any level descends from
+//! Children are numbered as OpenSubdiv does: those of vertices, then of faces (quads only), then of edges. So vertex `i` of any level descends from
 //! vertex `i` of the cage.
 
 pub mod connectivity;
 pub mod edge;
 pub mod face;
 pub mod face_varying;
+pub mod interpolating;
 pub mod limit;
 pub mod real;
 pub(crate) mod restrict;
@@ -22,9 +23,12 @@ pub mod vertex;
 use crate::mesh::Cage;
 use crate::scheme::{CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
 use crate::topology::{NONE, Topology};
+use interpolating::Sheets;
+use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
 pub use face_varying::FaceVarying;
+pub use interpolating::has_semi_sharp;
 pub use limit::{Limit, limit};
 pub use real::Real;
 
@@ -74,6 +78,14 @@ pub enum RefineError {
         /// Bytes allowed.
         allowed: u128,
     },
+    /// A face that the scheme cannot split.
+    #[error("face {face} has {corners} corners; this scheme takes triangles only")]
+    NotTriangle {
+        /// The first such face.
+        face: u32,
+        /// Its corners.
+        corners: u32,
+    },
     /// Points do not fit the topology.
     #[error("{got} points for {wanted} vertices")]
     WrongCount {
@@ -94,6 +106,8 @@ pub struct Level<T> {
     /// Texture coordinates.
     pub uvs: Option<FaceVarying<T>>,
     depth: u32,
+    /// How many steps, from the cage on, split triangles.
+    triangle_steps: u32,
     /// Face of every corner of the cage, for [`Level::base_face`].
     base_corner_faces: Vec<u32>,
     base_face_count: usize,
@@ -120,6 +134,7 @@ impl<T: Real> Level<T> {
             points,
             uvs: None,
             depth: 0,
+            triangle_steps: 0,
         })
     }
 
@@ -188,9 +203,16 @@ impl<T: Real> Level<T> {
     /// The face of the cage that face `f` descends from.
     #[must_use]
     pub fn base_face(&self, f: u32) -> u32 {
-        match self.depth {
-            0 => f,
-            d => self.base_corner_faces[(f >> (2 * (d - 1))) as usize],
+        match self.depth - self.triangle_steps {
+            0 => f >> (2 * self.triangle_steps),
+            d => {
+                let corner = f >> (2 * (d - 1));
+                if self.triangle_steps == 0 {
+                    self.base_corner_faces[corner as usize]
+                } else {
+                    corner / 3 >> (2 * self.triangle_steps)
+                }
+            }
         }
     }
 
@@ -202,17 +224,21 @@ impl<T: Real> Level<T> {
 
     /// Bytes that refinement by `levels` more steps will hold at its peak: the last two levels.
     #[must_use]
-    pub fn predicted_bytes(&self, levels: u32) -> u128 {
+    pub fn predicted_bytes(&self, scheme: Scheme, levels: u32) -> u128 {
         let uv_values = self.uvs.as_ref().map_or(0, |uv| uv.values.len());
-        peak_bytes(&self.topology, levels, size_of::<T>() as u128, uv_values)
+        let scalar = size_of::<T>() as u128;
+        peak_bytes(&self.topology, scheme, levels, scalar, uv_values)
     }
 
     /// The next level.
     ///
     /// # Errors
-    /// [`RefineError::TooManyCorners`] when 32-bit indices do not reach.
+    /// [`RefineError::TooManyCorners`] when 32-bit indices do not reach, [`RefineError::NotTriangle`] when the scheme needs triangles.
     pub fn next(&self, options: &Options, timings: &mut Timings) -> Result<Self, RefineError> {
         let t = &self.topology;
+        if options.scheme.is_triangular() {
+            check_triangles(t)?;
+        }
         let corners = 4 * t.half_count() as u128;
         if corners >= u128::from(NONE) {
             return Err(RefineError::TooManyCorners {
@@ -224,25 +250,26 @@ impl<T: Real> Level<T> {
         let step = sharpness::Step::new(t, options);
         timings.connectivity += start.elapsed();
 
-        let (faces, edges) = (t.face_count(), t.edge_count());
+        let (faces, edges) = (step.face_points(), t.edge_count());
         let mut points = vec![[T::default(); 3]; t.vertex_count() + faces + edges];
         let (vertex_points, rest) = points.split_at_mut(t.vertex_count());
         let (face_points, edge_points) = rest.split_at_mut(faces);
-        timed(&mut timings.face, || {
-            face::points(&step, &t.corner_vertices, &self.points, face_points);
-        });
-        timed(&mut timings.edge, || {
-            edge::points(
-                &step,
-                &t.corner_vertices,
-                &self.points,
-                face_points,
-                edge_points,
-            );
-        });
-        timed(&mut timings.vertex, || {
-            vertex::points(&step, &self.points, face_points, vertex_points);
-        });
+        if options.scheme.is_interpolating() && !step.is_linear() {
+            timed(&mut timings.vertex, || {
+                vertex_points.copy_from_slice(&self.points);
+            });
+            let masks = interpolating::Masks::default();
+            let sheets = Sheets::<T, T, 3>::of_points(&step, &masks, &self.points);
+            timed(&mut timings.edge, || {
+                fill(edge_points, |e| sheets.edge_point(sheets.side(e)));
+            });
+            timed(&mut timings.face, || {
+                let edge_point = |h: u32| edge_points[t.edge(h) as usize];
+                fill(face_points, |f| sheets.face_point(4 * f, edge_point));
+            });
+        } else {
+            self.approximating_points(&step, timings, vertex_points, face_points, edge_points);
+        }
         let topology = timed(&mut timings.connectivity, || connectivity::child(&step));
         let uvs = self.uvs.as_ref().map(|uv| uv.next(&step, timings));
         Ok(Self {
@@ -250,10 +277,64 @@ impl<T: Real> Level<T> {
             points,
             uvs,
             depth: self.depth + 1,
+            triangle_steps: self.triangle_steps + u32::from(options.scheme.is_triangular()),
             base_corner_faces: self.base_corner_faces.clone(),
             base_face_count: self.base_face_count,
         })
     }
+
+    /// Points of the schemes that smooth, and of linear steps.
+    fn approximating_points(
+        &self,
+        step: &sharpness::Step<'_>,
+        timings: &mut Timings,
+        vertex_points: &mut [[T; 3]],
+        face_points: &mut [[T; 3]],
+        edge_points: &mut [[T; 3]],
+    ) {
+        let t = &self.topology;
+        timed(&mut timings.face, || {
+            face::points(step, &t.corner_vertices, &self.points, face_points);
+        });
+        timed(&mut timings.edge, || {
+            edge::points(
+                step,
+                &t.corner_vertices,
+                &self.points,
+                face_points,
+                edge_points,
+            );
+        });
+        timed(&mut timings.vertex, || {
+            vertex::points(step, &self.points, face_points, vertex_points);
+        });
+    }
+}
+
+/// Whether all faces are triangles, as [`Scheme::is_triangular`] schemes need.
+///
+/// # Errors
+/// [`RefineError::NotTriangle`] names the first face that is none.
+pub fn check_triangles(t: &Topology) -> Result<(), RefineError> {
+    let odd = (0..t.face_count() as u32)
+        .into_par_iter()
+        .with_min_len(1 << 14)
+        .find_first(|&f| t.face_halves(f).len() != 3);
+    match odd {
+        None => Ok(()),
+        Some(face) => Err(RefineError::NotTriangle {
+            face,
+            corners: t.face_halves(face).len() as u32,
+        }),
+    }
+}
+
+/// Computes every element on its own.
+fn fill<P: Send>(out: &mut [P], of: impl Fn(u32) -> P + Sync) {
+    out.par_iter_mut()
+        .enumerate()
+        .with_min_len(1 << 10)
+        .for_each(|(i, p)| *p = of(i as u32));
 }
 
 fn timed<R>(total: &mut Duration, work: impl FnOnce() -> R) -> R {
@@ -275,14 +356,14 @@ pub fn refine<T: Real>(
     timings: &mut Timings,
 ) -> Result<Level<T>, RefineError> {
     let last = level.depth.saturating_add(levels);
-    let corners = counts(&level.topology, levels).corners;
+    let corners = counts(&level.topology, options.scheme, levels).corners;
     if corners >= u128::from(NONE) {
         return Err(RefineError::TooManyCorners {
             level: last,
             corners,
         });
     }
-    let needed = level.predicted_bytes(levels);
+    let needed = level.predicted_bytes(options.scheme, levels);
     let allowed = max_bytes.map_or(u128::MAX, u128::from);
     if needed > allowed {
         return Err(RefineError::TooMuchMemory {
@@ -313,7 +394,7 @@ pub struct Counts {
 
 /// Sizes after `levels` steps, without refining. Saturates beyond any machine's reach.
 #[must_use]
-pub fn counts(topology: &Topology, levels: u32) -> Counts {
+pub fn counts(topology: &Topology, scheme: Scheme, levels: u32) -> Counts {
     let mut c = Counts {
         vertices: topology.vertex_count() as u128,
         faces: topology.face_count() as u128,
@@ -322,6 +403,15 @@ pub fn counts(topology: &Topology, levels: u32) -> Counts {
     };
     // 4^64 is beyond 128 bits already.
     for _ in 0..levels.min(64) {
+        if scheme.is_triangular() {
+            c = Counts {
+                vertices: c.vertices.saturating_add(c.edges),
+                faces: c.faces.saturating_mul(4),
+                edges: c.edges.saturating_mul(2).saturating_add(c.corners),
+                corners: c.corners.saturating_mul(4),
+            };
+            continue;
+        }
         c = Counts {
             vertices: c.vertices.saturating_add(c.faces).saturating_add(c.edges),
             faces: c.corners,
@@ -334,11 +424,18 @@ pub fn counts(topology: &Topology, levels: u32) -> Counts {
 
 /// Bytes that refining positions in `f32` by `levels` steps holds at its peak.
 #[must_use]
-pub fn predicted_bytes(topology: &Topology, levels: u32) -> u128 {
-    peak_bytes(topology, levels, 4, 0)
+pub fn predicted_bytes(topology: &Topology, scheme: Scheme, levels: u32) -> u128 {
+    peak_bytes(topology, scheme, levels, 4, 0)
 }
 
-fn peak_bytes(topology: &Topology, levels: u32, scalar: u128, uv_values: usize) -> u128 {
+fn peak_bytes(
+    topology: &Topology,
+    scheme: Scheme,
+    levels: u32,
+    scalar: u128,
+    uv_values: usize,
+) -> u128 {
+    let triangles = u128::from(scheme.is_triangular());
     let tagged = u128::from(!topology.edge_sharpness.is_empty());
     let pointed = u128::from(!topology.vertex_sharpness.is_empty());
     let holes = u128::from(!topology.holes.is_empty());
@@ -347,15 +444,15 @@ fn peak_bytes(topology: &Topology, levels: u32, scalar: u128, uv_values: usize) 
     // Values of texture coordinates exceed vertices by what seams duplicate; seams double per level, so the first excess times 2^levels.
     let excess = (uv_values as u128).saturating_sub(topology.vertex_count() as u128);
     let level_bytes = |level: u32| {
-        let c = counts(topology, level);
+        let c = counts(topology, scheme, level);
         let per_vertex = 3 * scalar + fan + 4 * pointed;
-        let per_corner = 12 + 4 * split;
+        let per_corner = 12 + 4 * split + 4 * triangles;
         let mut sum = c
             .vertices
             .saturating_mul(per_vertex)
             .saturating_add(c.corners.saturating_mul(per_corner))
             .saturating_add(c.edges.saturating_mul(4 + 12 * tagged))
-            .saturating_add(c.faces.saturating_mul(holes));
+            .saturating_add(c.faces.saturating_mul(holes + 4 * triangles));
         if uv_values > 0 {
             let seams = excess.saturating_mul(1_u128.checked_shl(level).unwrap_or(u128::MAX));
             let values = c.vertices.saturating_add(seams);

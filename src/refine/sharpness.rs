@@ -1,6 +1,7 @@
 //! Sharpness of the next level, computed ahead of the passes: what edges and vertices do depends on their children's sharpness.
 
 use super::Options;
+use super::connectivity::{Split, child_corner};
 use super::ring::{Incidence, Spoke};
 use crate::scheme::crease::{self, is_semi_sharp};
 use crate::scheme::{CreaseMethod, INFINITE_SHARPNESS, Scheme};
@@ -39,11 +40,50 @@ impl<'a> Step<'a> {
         step
     }
 
-    /// Whether points are linear: midpoints, and vertices that stay.
+    /// Whether points are linear: midpoints, and vertices that stay. In Kobbelt's scheme that is the step that makes quads of polygons.
     #[must_use]
     #[inline]
     pub fn is_linear(&self) -> bool {
-        self.options.scheme == Scheme::Bilinear
+        match self.options.scheme {
+            Scheme::Bilinear => true,
+            Scheme::Kobbelt => !self.topology.all_quads(),
+            _ => false,
+        }
+    }
+
+    /// What faces split into.
+    #[must_use]
+    #[inline]
+    pub fn split(&self) -> Split {
+        if self.options.scheme.is_triangular() {
+            Split::Triangles
+        } else {
+            Split::Quads
+        }
+    }
+
+    /// [`child_corner`] of this step.
+    #[must_use]
+    #[inline]
+    pub fn child_corner(&self, h: u32, k: u32) -> u32 {
+        child_corner(self.split(), self.topology, h, k)
+    }
+
+    /// Number of face points: one per face, none in triangles.
+    #[must_use]
+    #[inline]
+    pub fn face_points(&self) -> usize {
+        match self.split() {
+            Split::Quads => self.topology.face_count(),
+            Split::Triangles => 0,
+        }
+    }
+
+    /// Child vertex of edge 0; those of vertices and faces come before.
+    #[must_use]
+    #[inline]
+    pub fn first_edge_point(&self) -> usize {
+        self.topology.vertex_count() + self.face_points()
     }
 
     /// Whether no vertex or edge is sharp but the boundary, and the mesh is manifold.

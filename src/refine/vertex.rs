@@ -3,8 +3,8 @@
 use super::real::{Real, add, add_scaled, blend, scaled};
 use super::ring::Spoke;
 use super::sharpness::Step;
-use crate::scheme::catmull_clark;
 use crate::scheme::crease::{Rule, Transition};
+use crate::scheme::{Scheme, catmull_clark, loop_scheme};
 use crate::topology::{NONE, Ring};
 use rayon::prelude::*;
 
@@ -90,8 +90,18 @@ fn smooth<T: Real, const N: usize>(
     face_point: &impl Fn(u32) -> [T; N],
 ) -> [T; N] {
     let t = step.topology;
-    let mask = catmull_clark::vertex(t.fans[v as usize].faces);
     let mut ends = [T::default(); N];
+    if step.options.scheme == Scheme::Loop {
+        for h in Ring::of_fan(t, v) {
+            add(&mut ends, &values[index[t.next(h) as usize] as usize]);
+        }
+        let n = t.fans[v as usize].faces;
+        let near = loop_scheme::neighbour(n);
+        let mut point = scaled(near, &ends);
+        add_scaled(&mut point, 1.0 - f64::from(n) * near, x);
+        return point;
+    }
+    let mask = catmull_clark::vertex(t.fans[v as usize].faces);
     let mut middles = [T::default(); N];
     for h in Ring::of_fan(t, v) {
         add(&mut ends, &values[index[t.next(h) as usize] as usize]);

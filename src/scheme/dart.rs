@@ -1,10 +1,11 @@
-//! Limit masks of a dart: an interior Catmull-Clark vertex with one infinitely sharp edge, edge 0 of its ring.
+//! Limit masks of a dart: an interior vertex with one infinitely sharp edge, edge 0 of its ring, for Catmull-Clark and for Loop.
 //!
 //! The sharp edge's point is its midpoint, everything else is smooth. That breaks the rotational symmetry of the smooth vertex, so no closed
 //! formula is known for all valences; the masks are left eigenvectors of the local matrix, computed once per valence. A mirror symmetry
 //! about the sharp edge is left: position and first tangent are even, the second tangent is odd and is that of the smooth vertex.
 
 use super::limit::{RingMask, smooth_tangents};
+use super::loop_scheme;
 
 /// Largest valence with masks; beyond, refine the ring some times and use the smooth masks.
 pub const MAX_VALENCE: u32 = 64;
@@ -18,7 +19,7 @@ pub struct DartMasks {
     pub tangents: [RingMask; 2],
 }
 
-type Matrix = Vec<Vec<f64>>;
+pub(crate) type Matrix = Vec<Vec<f64>>;
 
 /// The local matrix on vectors that are symmetric about edge 0: the vertex, edges 0 to n/2, faces 0 to (n − 1)/2.
 fn even_matrix(n: usize) -> Matrix {
@@ -59,6 +60,31 @@ fn even_matrix(n: usize) -> Matrix {
     m
 }
 
+/// The same for Loop: the vertex, edges 0 to n/2.
+fn even_loop_matrix(n: usize) -> Matrix {
+    let edges = n / 2 + 1;
+    let edge = |i: usize| {
+        let i = i % n;
+        1 + i.min(n - i)
+    };
+    let mut m = vec![vec![0.0; 1 + edges]; 1 + edges];
+    let near = loop_scheme::neighbour(n as u32);
+    m[0][0] = 1.0 - n as f64 * near;
+    for i in 0..n {
+        m[0][edge(i)] += near;
+    }
+    m[1][0] = 0.5;
+    m[1][1] = 0.5;
+    for i in 1..edges {
+        let row = &mut m[edge(i)];
+        row[0] += loop_scheme::EDGE_END;
+        row[edge(i)] += loop_scheme::EDGE_END;
+        row[edge(i + 1)] += loop_scheme::EDGE_OPPOSITE;
+        row[edge(i + n - 1)] += loop_scheme::EDGE_OPPOSITE;
+    }
+    m
+}
+
 fn times(a: &Matrix, b: &Matrix) -> Matrix {
     a.iter()
         .map(|row| {
@@ -74,7 +100,7 @@ fn times(a: &Matrix, b: &Matrix) -> Matrix {
 }
 
 /// The left eigenvector of the eigenvalue of largest magnitude, by repeated squaring.
-fn dominant_left(mut m: Matrix) -> Vec<f64> {
+pub(crate) fn dominant_left(mut m: Matrix) -> Vec<f64> {
     for _ in 0..28 {
         m = times(&m, &m);
         let largest = m.iter().flatten().fold(0.0_f64, |a, x| a.max(x.abs()));
@@ -101,21 +127,33 @@ fn unfold(n: usize, even: &[f64]) -> RingMask {
                 share(j == 0 || 2 * j == n, even[1 + j])
             })
             .collect(),
+        // Loop has none.
         faces: (0..n)
-            .map(|i| {
+            .filter_map(|i| {
                 let j = i.min(n - 1 - i);
-                share(2 * j == n - 1, even[1 + edges + j])
+                Some(share(2 * j == n - 1, *even.get(1 + edges + j)?))
             })
             .collect(),
     }
 }
 
 impl DartMasks {
-    /// Masks of valence `n`, from 2 to [`MAX_VALENCE`].
+    /// Masks of Catmull-Clark for valence `n`, from 2 to [`MAX_VALENCE`].
     #[must_use]
     pub fn new(n: u32) -> Self {
-        let size = n as usize;
-        let mut m = even_matrix(size);
+        let [_, across] = smooth_tangents(n);
+        Self::from_even(n as usize, even_matrix(n as usize), across)
+    }
+
+    /// Masks of Loop for valence `n`, from 2 to [`MAX_VALENCE`].
+    #[must_use]
+    pub fn of_loop(n: u32) -> Self {
+        let [_, across] = loop_scheme::smooth_tangents(n);
+        Self::from_even(n as usize, even_loop_matrix(n as usize), across)
+    }
+
+    /// Masks from the local matrix of even vectors; the odd tangent is given.
+    fn from_even(size: usize, mut m: Matrix, across: RingMask) -> Self {
         let mut position = dominant_left(m.clone());
         let sum: f64 = position.iter().sum();
         position.iter_mut().for_each(|x| *x /= sum);
@@ -132,7 +170,6 @@ impl DartMasks {
             8.0 / tangent[1]
         };
         tangent.iter_mut().for_each(|x| *x *= scale);
-        let [_, across] = smooth_tangents(n);
         Self {
             position: unfold(size, &position),
             tangents: [unfold(size, &tangent), across],
@@ -175,5 +212,20 @@ mod tests {
         assert!((d.position.vertex - 81.0 / 200.0).abs() < 1e-14);
         close(&d.position.edges, &[0.2, 0.15, 0.15]);
         close(&d.position.faces, &[11.0 / 400.0, 1.0 / 25.0, 11.0 / 400.0]);
+    }
+
+    #[test]
+    fn loop_of_valence_six_as_fractions() {
+        let d = DartMasks::of_loop(6);
+        assert!((d.position.vertex - 110.0 / 213.0).abs() < 1e-14);
+        let (near, far) = (29.0 / 426.0, 35.0 / 426.0);
+        close(
+            &d.position.edges,
+            &[7.0 / 71.0, near, far, 6.0 / 71.0, far, near],
+        );
+        let t = &d.tangents[0];
+        close(&t.edges, &[8.0, -1.0, -3.0, -4.0, -3.0, -1.0]);
+        assert!((t.vertex - 4.0).abs() < 1e-12);
+        assert!(d.position.faces.is_empty() && t.faces.is_empty());
     }
 }

@@ -3,10 +3,14 @@
 //! Sources: Catmull, Clark, *Recursively generated B-spline surfaces on arbitrary topological meshes*, 1978; Loop, *Smooth
 //! subdivision surfaces based on triangles*, 1987; DeRose, Kass, Truong, *Subdivision surfaces in character animation*, 1998.
 
+pub mod butterfly;
+pub mod by_valence;
 pub mod catmull_clark;
 pub mod crease;
 pub mod dart;
+pub mod kobbelt;
 pub mod limit;
+pub mod loop_scheme;
 
 /// Sharpness from which on an edge or vertex is infinitely sharp and never decays.
 pub const INFINITE_SHARPNESS: f32 = 10.0;
@@ -68,6 +72,28 @@ pub enum Scheme {
     /// Catmull and Clark: cubic B-splines on any polygons.
     #[default]
     CatmullClark,
+    /// Loop: quartic box splines on triangles.
+    Loop,
+    /// Modified Butterfly, after Zorin, Schröder and Sweldens: interpolates triangles.
+    Butterfly,
+    /// Kobbelt's scheme: interpolates quads. Cages with other polygons are split linearly once.
+    Kobbelt,
     /// Face centres and edge midpoints; old vertices stay.
     Bilinear,
+}
+
+impl Scheme {
+    /// Whether faces are triangles that split into four triangles; else any face becomes quads around its centre.
+    #[must_use]
+    #[inline]
+    pub const fn is_triangular(self) -> bool {
+        matches!(self, Self::Loop | Self::Butterfly)
+    }
+
+    /// Whether old vertices stay, and new points have smooth rules: Butterfly and Kobbelt's. Semi-sharp creases mean nothing to them.
+    #[must_use]
+    #[inline]
+    pub const fn is_interpolating(self) -> bool {
+        matches!(self, Self::Butterfly | Self::Kobbelt)
+    }
 }

@@ -188,7 +188,9 @@ pub fn cases(shared: &Path) -> Vec<Case> {
                 options: Options {
                     scheme: match w[1] {
                         "bilinear" => Scheme::Bilinear,
-                        _ => Scheme::CatmullClark,
+                        "loop" => Scheme::Loop,
+                        "catmull-clark" => Scheme::CatmullClark,
+                        other => panic!("scheme {other}"),
                     },
                     creases: crease_method(w[3]),
                     triangles: triangle_rule(w[5]),

@@ -1,12 +1,11 @@
-//! A vertex and its ring of quads, refined on their own in `f64`.
+//! A vertex and its ring of quads or triangles, refined on their own in `f64`.
 
 use super::Point;
 use crate::refine::real::{add, add_scaled, blend, midpoint, scaled};
 use crate::refine::sharpness::semi_sharp_sum;
 use crate::refine::vertex::crease;
-use crate::scheme::CreaseMethod;
-use crate::scheme::catmull_clark;
 use crate::scheme::crease::{Rule, Transition, decay, decay_edge, is_semi_sharp, midpoint_weight};
+use crate::scheme::{CreaseMethod, catmull_clark, loop_scheme};
 
 /// The ring of one fan: edge `i`, then face `i`, counter-clockwise. An open ring has one edge more than faces.
 #[derive(Clone, Debug, Default)]
@@ -15,7 +14,10 @@ pub(super) struct LocalRing {
     pub(super) sigma: f32,
     pub(super) closed: bool,
     pub(super) edges: Vec<Point>,
+    /// Opposite corners of quads.
     pub(super) faces: Vec<Point>,
+    /// The faces are triangles: `faces` is empty, and rules are those of Loop.
+    pub(super) triangles: bool,
     /// Sharpness of the ring's edges.
     pub(super) sharpness: Vec<f32>,
     /// Sharpness of what lies straight beyond each edge; only semi-sharp Chaikin creases look at it.
@@ -23,8 +25,9 @@ pub(super) struct LocalRing {
 }
 
 impl LocalRing {
-    pub(super) fn clear(&mut self, closed: bool) {
+    pub(super) fn clear(&mut self, closed: bool, triangles: bool) {
         self.closed = closed;
+        self.triangles = triangles;
         self.edges.clear();
         self.faces.clear();
         self.sharpness.clear();
@@ -35,6 +38,11 @@ impl LocalRing {
         self.edges.push(end);
         self.sharpness.push(sharpness);
         self.beyond.push(beyond);
+    }
+
+    /// Number of faces.
+    pub(super) fn face_count(&self) -> usize {
+        self.edges.len() - usize::from(!self.closed && !self.edges.is_empty())
     }
 
     pub(super) fn is_semi_sharp(&self) -> bool {
@@ -83,8 +91,18 @@ impl LocalRing {
                 if !self.closed && (i == 0 || i + 1 == count) {
                     return middle;
                 }
-                let before = (i + faces.len() - 1) % faces.len();
-                let smooth = midpoint(&middle, &midpoint(&faces[before], &faces[i]));
+                let smooth = if self.triangles {
+                    let mut ends = self.x;
+                    add(&mut ends, &self.edges[i]);
+                    let mut opposite = self.edges[(i + count - 1) % count];
+                    add(&mut opposite, &self.edges[(i + 1) % count]);
+                    let mut point = scaled(loop_scheme::EDGE_OPPOSITE, &opposite);
+                    add_scaled(&mut point, loop_scheme::EDGE_END, &ends);
+                    point
+                } else {
+                    let before = (i + faces.len() - 1) % faces.len();
+                    midpoint(&middle, &midpoint(&faces[before], &faces[i]))
+                };
                 let weight = midpoint_weight(self.sharpness[i], [near[i], far[i]]);
                 blend(weight, &middle, &smooth)
             })
@@ -121,6 +139,15 @@ impl LocalRing {
     }
 
     fn smooth(&self, faces: &[Point]) -> Point {
+        if self.triangles {
+            let n = self.face_count();
+            let near = loop_scheme::neighbour(n as u32);
+            let mut point = scaled(1.0 - n as f64 * near, &self.x);
+            for e in &self.edges[..n] {
+                add_scaled(&mut point, near, e);
+            }
+            return point;
+        }
         let mask = catmull_clark::vertex(faces.len() as u32);
         let mut point = scaled(mask.vertex, &self.x);
         for (e, f) in self.edges.iter().zip(faces) {

@@ -2,11 +2,11 @@
 
 use super::Point;
 use super::local::LocalRing;
-use crate::refine::real::{add, add_scaled, scaled};
-use crate::scheme::CreaseMethod;
+use crate::refine::real::{add, add_scaled, midpoint, scaled};
 use crate::scheme::crease::Rule;
 use crate::scheme::dart::{self, DartMasks};
 use crate::scheme::limit::{self, RingMask};
+use crate::scheme::{CreaseMethod, loop_scheme};
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -18,18 +18,48 @@ const PARALLEL: f64 = 1e-7;
 
 /// Masks by valence, made when first needed.
 pub(super) struct Tables {
+    triangles: bool,
     smooth: [OnceLock<[RingMask; 2]>; TABLE],
     sides: [OnceLock<RingMask>; TABLE],
     darts: [OnceLock<DartMasks>; TABLE],
 }
 
 impl Tables {
-    pub(super) fn new() -> Self {
+    /// Masks of Loop's triangles, or of Catmull-Clark's quads.
+    pub(super) fn new(triangles: bool) -> Self {
         Self {
+            triangles,
             smooth: [const { OnceLock::new() }; TABLE],
             sides: [const { OnceLock::new() }; TABLE],
             darts: [const { OnceLock::new() }; TABLE],
         }
+    }
+
+    fn smooth<R>(&self, n: usize, using: impl FnOnce(&[RingMask; 2]) -> R) -> R {
+        let make = if self.triangles {
+            loop_scheme::smooth_tangents
+        } else {
+            limit::smooth_tangents
+        };
+        Self::with(&self.smooth, n, make, using)
+    }
+
+    fn side<R>(&self, k: usize, using: impl FnOnce(&RingMask) -> R) -> R {
+        let make = if self.triangles {
+            loop_scheme::side_tangent
+        } else {
+            limit::side_tangent
+        };
+        Self::with(&self.sides, k, make, using)
+    }
+
+    fn dart<R>(&self, n: usize, using: impl FnOnce(&DartMasks) -> R) -> R {
+        let make = if self.triangles {
+            DartMasks::of_loop
+        } else {
+            DartMasks::new
+        };
+        Self::with(&self.darts, n, make, using)
     }
 
     fn with<M, R>(
@@ -45,7 +75,7 @@ impl Tables {
     }
 }
 
-fn cross(a: &Point, b: &Point) -> Point {
+pub(super) fn cross(a: &Point, b: &Point) -> Point {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -53,16 +83,16 @@ fn cross(a: &Point, b: &Point) -> Point {
     ]
 }
 
-fn dot(a: &Point, b: &Point) -> f64 {
+pub(super) fn dot(a: &Point, b: &Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn minus(a: &Point, b: &Point) -> Point {
+pub(super) fn minus(a: &Point, b: &Point) -> Point {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `v` with length 1, or nothing when it has no direction.
-fn unit(v: Point) -> Option<Point> {
+pub(super) fn unit(v: Point) -> Option<Point> {
     // Scale first: squares of small tangents would vanish.
     let largest = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
     if !(largest > 0.0 && largest.is_finite()) {
@@ -74,7 +104,7 @@ fn unit(v: Point) -> Option<Point> {
 }
 
 /// The direction across both tangents, unless they are parallel or vanish.
-fn across(tangents: [Point; 2]) -> Option<Point> {
+pub(super) fn across(tangents: [Point; 2]) -> Option<Point> {
     let [Some(a), Some(b)] = tangents.map(unit) else {
         return None;
     };
@@ -96,8 +126,13 @@ impl LocalRing {
     fn edge(&self, i: usize) -> &Point {
         &self.edges[i % self.edges.len()]
     }
-    fn face(&self, i: usize) -> &Point {
-        &self.faces[i % self.faces.len()]
+    /// The corner of face `i` opposite the vertex; in a triangle the middle of the opposite side will do.
+    fn across(&self, i: usize) -> Point {
+        if self.triangles {
+            midpoint(self.edge(i), self.edge(i + 1))
+        } else {
+            self.faces[i % self.faces.len()]
+        }
     }
 
     /// A mask over the ring from edge `first` on, about the vertex: only differences enter, so that far from the origin nothing is lost.
@@ -107,14 +142,14 @@ impl LocalRing {
             add_scaled(&mut sum, *w, &minus(self.edge(first + i), &self.x));
         }
         for (i, w) in mask.faces.iter().enumerate() {
-            add_scaled(&mut sum, *w, &minus(self.face(first + i), &self.x));
+            add_scaled(&mut sum, *w, &minus(&self.across(first + i), &self.x));
         }
         sum
     }
 
     /// Limit position. The ring must not be semi-sharp.
     pub(super) fn position(&self, tables: &Tables) -> Point {
-        let n = self.faces.len();
+        let n = self.face_count();
         let sharp = self.sharp_edges();
         match self.rule() {
             Rule::Corner => self.x,
@@ -127,9 +162,7 @@ impl LocalRing {
             }
             Rule::Dart if n < TABLE && n > 1 => {
                 let mut point = self.x;
-                let offset = Tables::with(&tables.darts, n, DartMasks::new, |d| {
-                    self.apply(&d.position, sharp[0])
-                });
+                let offset = tables.dart(n, |d| self.apply(&d.position, sharp[0]));
                 add(&mut point, &offset);
                 point
             }
@@ -145,9 +178,18 @@ impl LocalRing {
     }
 
     fn smooth_position(&self) -> Point {
-        let [x, e, f] = limit::position(self.faces.len() as u32);
+        let n = self.face_count();
+        if self.triangles {
+            let [x, e] = loop_scheme::position(n as u32);
+            let mut point = scaled(x, &self.x);
+            for end in &self.edges[..n] {
+                add_scaled(&mut point, e, end);
+            }
+            return point;
+        }
+        let [x, e, f] = limit::position(n as u32);
         let mut point = scaled(x, &self.x);
-        for i in 0..self.faces.len() {
+        for i in 0..n {
             add_scaled(&mut point, e, &self.edges[i]);
             add_scaled(&mut point, f, &self.faces[i]);
         }
@@ -155,7 +197,7 @@ impl LocalRing {
     }
 
     fn sectors(&self, linear: bool) -> Vec<Sector> {
-        let n = self.faces.len();
+        let n = self.face_count();
         let sharp = self.sharp_edges();
         let each = || (0..n).map(|first| Sector { first, count: 1 }).collect();
         if linear {
@@ -190,7 +232,7 @@ impl LocalRing {
     }
 
     fn tangents(&self, tables: &Tables, sector: Sector, linear: bool) -> [Point; 2] {
-        let n = self.faces.len();
+        let n = self.face_count();
         let (a, b) = (
             self.edge(sector.first),
             self.edge(sector.first + sector.count),
@@ -199,20 +241,14 @@ impl LocalRing {
         match rule {
             Rule::Corner => [minus(a, &self.x), minus(b, &self.x)],
             Rule::Crease => {
-                let inward = Tables::with(&tables.sides, sector.count, limit::side_tangent, |m| {
-                    self.apply(m, sector.first)
-                });
+                let inward = tables.side(sector.count, |m| self.apply(m, sector.first));
                 [minus(a, b), inward]
             }
-            Rule::Dart if n < TABLE && n > 1 => {
-                Tables::with(&tables.darts, n, DartMasks::new, |d| {
-                    [0, 1].map(|k| self.apply(&d.tangents[k], sector.first))
-                })
-            }
+            Rule::Dart if n < TABLE && n > 1 => tables.dart(n, |d| {
+                [0, 1].map(|k| self.apply(&d.tangents[k], sector.first))
+            }),
             Rule::Smooth | Rule::Dart => {
-                Tables::with(&tables.smooth, n, limit::smooth_tangents, |m| {
-                    [0, 1].map(|k| self.apply(&m[k], sector.first))
-                })
+                tables.smooth(n, |m| [0, 1].map(|k| self.apply(&m[k], sector.first)))
             }
         }
     }
@@ -228,7 +264,7 @@ impl LocalRing {
 
     fn diagonal_normal(&self, i: usize) -> Point {
         cross(
-            &minus(self.face(i), &self.x),
+            &minus(&self.across(i), &self.x),
             &minus(self.edge(i + 1), self.edge(i)),
         )
     }
@@ -255,7 +291,7 @@ impl LocalRing {
         let faces = sector.first..sector.first + sector.count;
         unit(self.face_normal(sector))
             .or_else(|| faces.clone().find_map(|i| unit(self.diagonal_normal(i))))
-            .or_else(|| (0..self.faces.len()).find_map(|i| unit(self.diagonal_normal(i))))
+            .or_else(|| (0..self.face_count()).find_map(|i| unit(self.diagonal_normal(i))))
             .unwrap_or([0.0, 0.0, 1.0])
     }
 
@@ -265,7 +301,7 @@ impl LocalRing {
         tables: &Tables,
         linear: bool,
     ) -> Vec<(impl Iterator<Item = usize> + use<>, Point)> {
-        let n = self.faces.len();
+        let n = self.face_count();
         let wrap = move |r: Range<usize>| r.map(move |i| i % n);
         self.sectors(linear)
             .into_iter()
