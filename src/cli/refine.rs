@@ -31,6 +31,9 @@ pub(crate) struct Arguments {
     /// Split quads in two triangles
     #[arg(long)]
     pub(crate) triangulate: bool,
+    /// Write hole faces too, tagged as holes, so that an OBJ of control points refines further as its cage does
+    #[arg(long)]
+    pub(crate) keep_holes: bool,
     #[command(flatten)]
     pub(crate) model: ModelFlags,
     #[command(flatten)]
@@ -98,8 +101,10 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
             boundary,
             creases: options.creases,
             face_varying: rule,
+            triangles: options.triangles,
         }),
         triangulate: a.triangulate,
+        holes: a.keep_holes,
     };
     let ply = a
         .output

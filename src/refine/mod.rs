@@ -8,6 +8,7 @@
 //! Children are numbered as OpenSubdiv does: those of vertices, then of faces, then of edges. So vertex `i` of any level descends from
 //! vertex `i` of the cage.
 
+pub mod channels;
 pub mod connectivity;
 pub mod edge;
 pub mod face;
@@ -24,6 +25,7 @@ use crate::scheme::{CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
 use crate::topology::{NONE, Topology};
 use std::time::{Duration, Instant};
 
+pub use channels::Channels;
 pub use face_varying::FaceVarying;
 pub use limit::{Limit, limit};
 pub use real::Real;
@@ -93,6 +95,8 @@ pub struct Level<T> {
     pub points: Vec<[T; 3]>,
     /// Texture coordinates.
     pub uvs: Option<FaceVarying<T>>,
+    /// Further values, per vertex, face and corner.
+    pub channels: Channels<T>,
     depth: u32,
     /// Face of every corner of the cage, for [`Level::base_face`].
     base_corner_faces: Vec<u32>,
@@ -119,11 +123,12 @@ impl<T: Real> Level<T> {
             topology,
             points,
             uvs: None,
+            channels: Channels::default(),
             depth: 0,
         })
     }
 
-    /// Level 0 of a cage with its texture coordinates, connected as `topology`. Points are relative to [`Cage::origin`].
+    /// Level 0 of a cage with its texture coordinates and channels, connected as `topology`. Points are relative to [`Cage::origin`].
     ///
     /// # Errors
     /// [`RefineError::WrongCount`] when `topology` belongs to another cage.
@@ -139,6 +144,7 @@ impl<T: Real> Level<T> {
             .map(|p| p.map(|c| T::from_f64(f64::from(c))))
             .collect();
         let mut level = Self::new(topology, points)?;
+        level.channels = Channels::of_cage(cage, &level.topology, scheme, rule)?;
         if !cage.corner_uvs().is_empty() {
             let values: Vec<[T; 2]> = cage
                 .uvs()
@@ -203,8 +209,18 @@ impl<T: Real> Level<T> {
     /// Bytes that refinement by `levels` more steps will hold at its peak: the last two levels.
     #[must_use]
     pub fn predicted_bytes(&self, levels: u32) -> u128 {
-        let uv_values = self.uvs.as_ref().map_or(0, |uv| uv.values.len());
-        peak_bytes(&self.topology, levels, size_of::<T>() as u128, uv_values)
+        let pairs: Vec<usize> = (self.uvs.iter().map(|uv| uv.values.len()))
+            .chain(self.channels.pairs())
+            .collect();
+        let numbers = 3 + self.channels.numbers_per_vertex() as u128;
+        let bytes = numbers * size_of::<T>() as u128;
+        peak_bytes(
+            &self.topology,
+            levels,
+            bytes,
+            &pairs,
+            size_of::<T>() as u128,
+        )
     }
 
     /// The next level.
@@ -224,31 +240,15 @@ impl<T: Real> Level<T> {
         let step = sharpness::Step::new(t, options);
         timings.connectivity += start.elapsed();
 
-        let (faces, edges) = (t.face_count(), t.edge_count());
-        let mut points = vec![[T::default(); 3]; t.vertex_count() + faces + edges];
-        let (vertex_points, rest) = points.split_at_mut(t.vertex_count());
-        let (face_points, edge_points) = rest.split_at_mut(faces);
-        timed(&mut timings.face, || {
-            face::points(&step, &t.corner_vertices, &self.points, face_points);
-        });
-        timed(&mut timings.edge, || {
-            edge::points(
-                &step,
-                &t.corner_vertices,
-                &self.points,
-                face_points,
-                edge_points,
-            );
-        });
-        timed(&mut timings.vertex, || {
-            vertex::points(&step, &self.points, face_points, vertex_points);
-        });
+        let points = channels::next_values(&step, &self.points, timings);
+        let channels = self.channels.next(&step, timings);
         let topology = timed(&mut timings.connectivity, || connectivity::child(&step));
         let uvs = self.uvs.as_ref().map(|uv| uv.next(&step, timings));
         Ok(Self {
             topology,
             points,
             uvs,
+            channels,
             depth: self.depth + 1,
             base_corner_faces: self.base_corner_faces.clone(),
             base_face_count: self.base_face_count,
@@ -335,20 +335,25 @@ pub fn counts(topology: &Topology, levels: u32) -> Counts {
 /// Bytes that refining positions in `f32` by `levels` steps holds at its peak.
 #[must_use]
 pub fn predicted_bytes(topology: &Topology, levels: u32) -> u128 {
-    peak_bytes(topology, levels, 4, 0)
+    peak_bytes(topology, levels, 12, &[], 4)
 }
 
-fn peak_bytes(topology: &Topology, levels: u32, scalar: u128, uv_values: usize) -> u128 {
+/// `numbers`: bytes of all numbers of a vertex. `pairs`: how many values each channel of corners has, of two numbers of `scalar` bytes.
+fn peak_bytes(
+    topology: &Topology,
+    levels: u32,
+    numbers: u128,
+    pairs: &[usize],
+    scalar: u128,
+) -> u128 {
     let tagged = u128::from(!topology.edge_sharpness.is_empty());
     let pointed = u128::from(!topology.vertex_sharpness.is_empty());
     let holes = u128::from(!topology.holes.is_empty());
     let split = u128::from(!topology.corner_fans.is_empty());
     let fan = size_of::<crate::topology::Fan>() as u128;
-    // Values of texture coordinates exceed vertices by what seams duplicate; seams double per level, so the first excess times 2^levels.
-    let excess = (uv_values as u128).saturating_sub(topology.vertex_count() as u128);
     let level_bytes = |level: u32| {
         let c = counts(topology, level);
-        let per_vertex = 3 * scalar + fan + 4 * pointed;
+        let per_vertex = numbers + fan + 4 * pointed;
         let per_corner = 12 + 4 * split;
         let mut sum = c
             .vertices
@@ -356,7 +361,9 @@ fn peak_bytes(topology: &Topology, levels: u32, scalar: u128, uv_values: usize) 
             .saturating_add(c.corners.saturating_mul(per_corner))
             .saturating_add(c.edges.saturating_mul(4 + 12 * tagged))
             .saturating_add(c.faces.saturating_mul(holes));
-        if uv_values > 0 {
+        for &values in pairs {
+            // Values exceed vertices by what seams duplicate; seams double per level, so the first excess times 2^levels.
+            let excess = (values as u128).saturating_sub(topology.vertex_count() as u128);
             let seams = excess.saturating_mul(1_u128.checked_shl(level).unwrap_or(u128::MAX));
             let values = c.vertices.saturating_add(seams);
             sum = sum

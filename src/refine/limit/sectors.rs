@@ -17,14 +17,14 @@ const DART_STEPS: usize = 64;
 const PARALLEL: f64 = 1e-7;
 
 /// Masks by valence, made when first needed.
-pub(super) struct Tables {
+pub(in crate::refine) struct Tables {
     smooth: [OnceLock<[RingMask; 2]>; TABLE],
     sides: [OnceLock<RingMask>; TABLE],
     darts: [OnceLock<DartMasks>; TABLE],
 }
 
 impl Tables {
-    pub(super) fn new() -> Self {
+    pub(in crate::refine) fn new() -> Self {
         Self {
             smooth: [const { OnceLock::new() }; TABLE],
             sides: [const { OnceLock::new() }; TABLE],
@@ -215,6 +215,12 @@ impl LocalRing {
                 })
             }
         }
+    }
+
+    /// Both tangents of the first sector, as the masks give them. The ring must not be semi-sharp.
+    pub(super) fn first_tangents(&self, tables: &Tables, linear: bool) -> [Point; 2] {
+        let first = self.sectors(linear)[0];
+        self.tangents(tables, first, linear)
     }
 
     /// Sum of the face normals of a sector, each by its diagonals.
