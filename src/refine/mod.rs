@@ -18,6 +18,7 @@ pub mod real;
 pub(crate) mod restrict;
 pub mod ring;
 pub mod sharpness;
+pub mod stencils;
 pub mod vertex;
 
 use crate::mesh::Cage;
@@ -29,6 +30,7 @@ pub use channels::Channels;
 pub use face_varying::FaceVarying;
 pub use limit::{Limit, limit};
 pub use real::Real;
+pub use stencils::{Stencils, stencils};
 
 /// Rules of refinement. The boundary rule is not among them: it is part of the topology.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

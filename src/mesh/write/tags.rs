@@ -1,4 +1,7 @@
 //! Tags of a level, as OpenSubdiv's shapes have them: what is sharp still, and the rules that go on.
+//!
+//! One thing no tag can say: where two charts meet at a vertex with semi-sharp edges in both, and those of one are smooth already, that one
+//! stays a smooth border; read back it is taken for one that never had any, and waits for the other.
 
 use super::{MeshTags, WriteOptions};
 use crate::refine::Level;
