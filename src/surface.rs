@@ -179,7 +179,8 @@ impl Surface {
             }
         };
         // Children keep the directions of a quad they come from; here their first corner is their parent's corner.
-        let first = |h: u32| refine::connectivity::child_corner(base, h, 0) & 3;
+        let into = refine::connectivity::Split::Quads;
+        let first = |h: u32| refine::connectivity::child_corner(into, base, h, 0) & 3;
         let turned: Vec<(u32, u32)> = (0..base.half_count() as u32)
             .map(|h| (h, first(h)))
             .collect();

@@ -2,15 +2,16 @@
 
 use super::exit::{Code, Failure};
 use super::flags::{ModelFlags, RunningFlags};
-use super::job::{Job, Output, commit_all, model_names};
+use super::job::{Job, Output, Staged, commit_all, model_names};
 use super::messages::{note, warning};
 use super::render::{input_paths, stats_output};
 use super::stats::{Clock, Json, Time};
 use super::watch::{self, Phase};
 use clap::Args;
+use earmark::files;
 use earmark::mesh::NONE;
 use earmark::mesh::write::{self, MeshTags, PlyFormat, WriteOptions};
-use earmark::refine::{Level, Limit, Options, RefineError, Timings, counts, limit};
+use earmark::refine::{Level, Limit, Options, RefineError, Timings, counts, limit, stencils};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -31,6 +32,15 @@ pub(crate) struct Arguments {
     /// Split quads in two triangles
     #[arg(long)]
     pub(crate) triangulate: bool,
+    /// Also write the stencils: for every point of the mesh the weights of the cage's points, with --limit also those of two tangents.
+    /// A .json file is text, any other bytes, little-endian: "EARSTEN1"; cage points, rows, entries, weights per entry (1, or 3 with
+    /// tangents) as u64; offsets of rows (u64, one more than rows), cage points of entries (u32), weights of entries (f32): all of the
+    /// points, then all of the first tangents, then all of the second
+    #[arg(long, value_name = "OUT")]
+    pub(crate) stencils: Option<PathBuf>,
+    /// Write hole faces too, tagged as holes, so that an OBJ of control points refines further as its cage does
+    #[arg(long)]
+    pub(crate) keep_holes: bool,
     #[command(flatten)]
     pub(crate) model: ModelFlags,
     #[command(flatten)]
@@ -61,6 +71,10 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         Some(stats) => Some(stats_output(stats, &a.output, &inputs)?),
         None => None,
     };
+    let weights = match &a.stencils {
+        Some(stencils) => Some(stencils_output(stencils, a, &inputs)?),
+        None => None,
+    };
     let read = job.read_cage(path, &a.model)?;
     for w in &read.warnings {
         warning(&w.to_string());
@@ -81,6 +95,10 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         Level::<f32>::of_cage(cage, topology, options.scheme, rule)
     })?;
     let boundary = a.model.boundary(cage);
+    let mut staged = Vec::new();
+    if let Some(output) = &weights {
+        staged.push(write_stencils(job, a, output, &base, &options)?);
+    }
     let (level, limit) = refine(job, a, base, &options)?;
 
     watch::phase(Phase::Writing);
@@ -98,8 +116,10 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
             boundary,
             creases: options.creases,
             face_varying: rule,
+            triangles: options.triangles,
         }),
         triangulate: a.triangulate,
+        holes: a.keep_holes,
     };
     let ply = a
         .output
@@ -120,7 +140,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         level.points.len(),
         job.start.elapsed().as_secs_f64() * 1e3
     ));
-    let mut staged = vec![written];
+    staged.push(written);
     if let Some(stats) = stats {
         let middle = vec![
             ("faces", Json::count(cage.face_count())),
@@ -131,6 +151,53 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         staged.push(stats.stage(format!("{report}\n").as_bytes())?);
     }
     commit_all(staged)
+}
+
+/// Where stencils go, which is nowhere else.
+fn stencils_output(path: &Path, a: &Arguments, inputs: &[&Path]) -> Result<Output, Failure> {
+    let others = [
+        ("--output", Some(&a.output)),
+        ("--stats", a.running.stats.as_ref()),
+    ];
+    for (name, other) in others {
+        if other.is_some_and(|o| o == path || files::same_file(o, path)) {
+            let message = format!("{name} and --stencils are the same");
+            return Err(Failure::usage(message));
+        }
+    }
+    Output::checked(path, &[], inputs)
+}
+
+/// Finds the stencils of what is written, and stages them.
+fn write_stencils(
+    job: &mut Job,
+    a: &Arguments,
+    output: &Output,
+    base: &Level<f32>,
+    options: &Options,
+) -> Result<Staged, Failure> {
+    let limits = job.limits();
+    limits.check()?;
+    limits.faces(counts(&base.topology, a.level).faces)?;
+    watch::phase(Phase::Refining);
+    let found = job.time("stencils", |_| {
+        stencils(&base.topology, options, a.level, a.limit, limits.max_memory)
+    })?;
+    limits.check()?;
+    watch::phase(Phase::Writing);
+    let text = (a.stencils.iter()).any(|p| {
+        p.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("json"))
+    });
+    job.time("write", |_| {
+        output.stage_with(|mut out| {
+            if text {
+                found.write_json(&mut out)
+            } else {
+                found.write_bytes(&mut out)
+            }
+        })
+    })
 }
 
 /// Refines step by step, and finds the limit points where they are asked for. What it will take is found before.

@@ -1,6 +1,8 @@
 //! The control cage, exactly as its author wrote it: no adjacency, global vertex numbers, polygons of any arity.
 
-use crate::scheme::{Boundary, CreaseMethod, FaceVaryingRule, TriangleRule};
+use super::builder::CageBuilder;
+use super::channel::CageChannels;
+use crate::scheme::{Boundary, CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
 
 /// No index: a corner without texture coordinate or normal, a face without material.
 pub const NONE: u32 = u32::MAX;
@@ -26,6 +28,8 @@ pub struct Corner {
 /// Subdivision tags of a cage; `None` where the file says nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tags {
+    /// Subdivision scheme that the cage is meant for.
+    pub scheme: Option<Scheme>,
     /// Creased edges.
     pub creases: Vec<Crease>,
     /// Sharp vertices.
@@ -80,7 +84,7 @@ impl Default for Material {
 
 /// A control cage: points, polygons, texture coordinates, normals, colours, materials and tags.
 ///
-/// Made by [`Cage::new`] from plain arrays or by [`mesh::obj::read`](crate::mesh::obj::read) from a file.
+/// Made by [`Cage::new`] or [`Cage::builder`] from plain arrays, or by [`mesh::obj::read`](crate::mesh::obj::read) from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cage {
     pub(crate) points: Vec<[f32; 3]>,
@@ -101,6 +105,7 @@ pub struct Cage {
     pub(crate) face_materials: Vec<u32>,
     pub(crate) materials: Vec<Material>,
     pub(crate) tags: Tags,
+    pub(crate) channels: CageChannels,
 }
 
 /// Why arrays do not make a cage.
@@ -144,9 +149,88 @@ pub enum CageError {
         /// The length it must have.
         wanted: usize,
     },
+    /// A crease between vertices that no edge joins.
+    #[error("no edge joins vertices {} and {}", vertices[0], vertices[1])]
+    NoSuchEdge {
+        /// The vertices, 0-based.
+        vertices: [u32; 2],
+    },
+    /// A corner names a vertex that is not there.
+    #[error("corner names vertex {vertex}, but there are {count}")]
+    NoSuchCorner {
+        /// The vertex, 0-based.
+        vertex: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+    /// A hole names a face that is not there.
+    #[error("hole names face {face}, but there are {count}")]
+    NoSuchFace {
+        /// The face, 0-based.
+        face: u32,
+        /// How many faces there are.
+        count: usize,
+    },
+    /// A sharpness below 0, or none at all.
+    #[error("sharpness {sharpness} of {what}; it must be 0 or more")]
+    BadSharpness {
+        /// The edge or vertex.
+        what: String,
+        /// What was given.
+        sharpness: f32,
+    },
+    /// A channel of no numbers, or of too many.
+    #[error("channel {name} has {width} numbers per value; 1 to 4 are possible")]
+    ChannelWidth {
+        /// The channel.
+        name: String,
+        /// What was given.
+        width: usize,
+    },
+    /// A channel that does not fit the cage.
+    #[error("{name}: {got} given, {wanted} wanted")]
+    ChannelCount {
+        /// The channel.
+        name: String,
+        /// Its length.
+        got: usize,
+        /// The length it must have.
+        wanted: usize,
+    },
+    /// A channel with a number that is not finite.
+    #[error("{name}: number {index} is not finite")]
+    ChannelNotFinite {
+        /// The channel.
+        name: String,
+        /// The number, 0-based.
+        index: usize,
+    },
+    /// An index of a value that is not there.
+    #[error("{name}: corner {at} names value {index}, but there are {count}")]
+    NoSuchValue {
+        /// The channel.
+        name: String,
+        /// Where the index stands, 0-based.
+        at: usize,
+        /// The index.
+        index: u32,
+        /// How many values there are.
+        count: usize,
+    },
+    /// Two channels of one kind and name.
+    #[error("two channels are called {name}")]
+    SameName {
+        /// The name.
+        name: String,
+    },
 }
 
 impl Cage {
+    /// Collects a cage piece by piece.
+    pub fn builder() -> CageBuilder {
+        CageBuilder::default()
+    }
+
     /// A cage from points and polygons.
     ///
     /// `face_sizes[f]` is the number of corners of face `f`; `corners` lists the vertices of all faces one after the other,
@@ -326,6 +410,11 @@ impl Cage {
     #[must_use]
     pub fn tags(&self) -> &Tags {
         &self.tags
+    }
+    /// Named values per vertex, face and corner.
+    #[must_use]
+    pub fn channels(&self) -> &CageChannels {
+        &self.channels
     }
     /// Smallest and largest coordinates of the vertices that belong to a face; zeros for an empty cage.
     #[must_use]

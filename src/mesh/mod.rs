@@ -1,11 +1,16 @@
 //! The control cage and the files it comes from.
 
+mod builder;
 mod cage;
+mod channel;
+mod color;
 mod mtl;
 pub mod obj;
 pub mod resolver;
 pub mod write;
 
+pub use builder::CageBuilder;
 pub use cage::{Cage, CageError, Corner, Crease, Material, NONE, Tags};
+pub use channel::{CageChannels, FaceVaryingChannel, UniformChannel, UniformValues, VertexChannel};
 pub use obj::{ReadError, ReadErrorKind, Warning, WarningKind};
 pub use resolver::{MemoryFiles, NoFiles, ResolveError, Resolver};

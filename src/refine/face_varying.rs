@@ -53,13 +53,13 @@ pub struct FaceVarying<T> {
     /// Value of every corner.
     pub corners: Vec<u32>,
     /// One corner of every value.
-    value_corners: Vec<u32>,
+    pub(super) value_corners: Vec<u32>,
     /// Siblings, sorted by value.
     siblings: Vec<Sibling>,
     /// Per face of the cage, whether it has a corner without value; empty when there is none.
     missing: Vec<bool>,
     rule: FaceVaryingRule,
-    linear: bool,
+    pub(super) linear: bool,
 }
 
 impl<T: Real> FaceVarying<T> {
@@ -429,7 +429,7 @@ impl<T: Real> FaceVarying<T> {
     }
 
     /// The other sibling of the vertex of a dependent one.
-    fn partner(&self, t: &Topology, rank: usize) -> Sibling {
+    pub(super) fn partner(&self, t: &Topology, rank: usize) -> Sibling {
         let own = self.siblings[rank];
         let v = t.vertex(own.first);
         [rank.wrapping_sub(1), rank + 1]

@@ -9,12 +9,13 @@
 use super::real::Real;
 use super::ring::Spoke;
 use super::sharpness::Step;
-use super::{Level, Options, edge, face, vertex};
+use super::{Channels, Level, Options, edge, face, vertex};
 use crate::scheme::Scheme;
 use crate::scheme::crease::is_semi_sharp;
 use crate::topology::{NONE, Ring, Topology};
 use rayon::prelude::*;
 
+mod face_varying;
 mod interpolating;
 mod local;
 mod rings;
@@ -22,7 +23,7 @@ mod sectors;
 
 use local::LocalRing;
 use rings::RingMasks;
-use sectors::Tables;
+pub(super) use sectors::Tables;
 
 type Point = [f64; 3];
 
@@ -35,6 +36,10 @@ pub struct Limit<T> {
     pub normals: Vec<[T; 3]>,
     /// Normal of every corner; empty when that is the normal of its vertex everywhere.
     pub corner_normals: Vec<u32>,
+    /// Limits of the texture coordinates: one for each of the level's; empty without.
+    pub uvs: Vec<[T; 2]>,
+    /// Limits of the channels.
+    pub channels: Channels<T>,
 }
 
 impl<T> Limit<T> {
@@ -81,6 +86,8 @@ pub fn limit<T: Real>(level: &Level<T>, options: &Options) -> Limit<T> {
         positions: vertices.iter().map(|v| narrow(&v.position)).collect(),
         normals: vertices.iter().map(|v| narrow(&v.normal)).collect(),
         corner_normals: Vec::new(),
+        uvs: (level.uvs.as_ref()).map_or_else(Vec::new, |uvs| uvs.limit(&step, &tables)),
+        channels: level.channels.limit(&step, &tables),
     };
     for (v, limit) in vertices.iter().enumerate() {
         if !limit.corners.is_empty() && out.corner_normals.is_empty() {
@@ -126,10 +133,7 @@ fn vertex_limit<T: Real>(
     let mut corners = Vec::new();
     let mut sectors = 0;
     for fan in std::iter::once(v).chain(step.incidence.extra_fans(v)) {
-        fan_ring(step, points, v, fan, ring, spokes);
-        while ring.is_semi_sharp() {
-            ring.advance(step.options.creases);
-        }
+        fan_ring(step, &t.corner_vertices, points, v, fan, ring, spokes);
         if fan == v {
             position = if step.is_linear() {
                 x
@@ -154,18 +158,64 @@ fn vertex_limit<T: Real>(
     }
 }
 
-/// Fills `ring` with the ring of faces around one fan of vertex `v`: of this level if masks hold here, else of the next.
-fn fan_ring<T: Real>(
+/// Limits of values that go by the rules of points, and on demand two tangents each, those of the first sector.
+pub(super) fn values<T: Real>(
     step: &Step<'_>,
-    points: &[[T; 3]],
+    tables: &Tables,
+    values: &[[T; 3]],
+    tangents: bool,
+) -> (Vec<[T; 3]>, [Vec<[T; 3]>; 2]) {
+    let t = step.topology;
+    let all: Vec<[Point; 3]> = (0..values.len() as u32)
+        .into_par_iter()
+        .with_min_len(1 << 10)
+        .map_init(
+            || (LocalRing::default(), Vec::new()),
+            |(ring, spokes), v| {
+                let x = values[v as usize].map(T::to_f64);
+                if t.fans[v as usize].first == NONE {
+                    return [x, [0.0; 3], [0.0; 3]];
+                }
+                fan_ring(step, &t.corner_vertices, values, v, v, ring, spokes);
+                let position = if step.is_linear() {
+                    x
+                } else {
+                    ring.position(tables)
+                };
+                let [a, b] = if tangents {
+                    ring.first_tangents(tables, step.is_linear())
+                } else {
+                    [[0.0; 3]; 2]
+                };
+                [position, a, b]
+            },
+        )
+        .collect();
+    let part = |k: usize| all.iter().map(|p| p[k].map(T::from_f64)).collect();
+    let no = Vec::new;
+    let both = if tangents {
+        [part(1), part(2)]
+    } else {
+        [no(), no()]
+    };
+    (part(0), both)
+}
+
+/// Fills `ring` with the ring of quads around one fan of vertex `v`, refined as far as masks need. `index` names the value of every corner;
+/// the corners of the fan must agree, at `v` and at the far ends of its edges.
+fn fan_ring<T: Real, const N: usize>(
+    step: &Step<'_>,
+    index: &[u32],
+    points: &[[T; N]],
     v: u32,
     fan: u32,
     ring: &mut LocalRing,
     spokes: &mut Vec<Spoke>,
 ) {
     let t = step.topology;
-    let index = &t.corner_vertices;
-    let wide = |p: [T; 3]| p.map(T::to_f64);
+    let wide =
+        |p: [T; N]| -> Point { std::array::from_fn(|k| p.get(k).map_or(0.0, |c| c.to_f64())) };
+    let at = |h: u32| &points[index[h as usize] as usize];
     let triangles = step.options.scheme == Scheme::Loop;
     ring.clear(t.fans()[fan as usize].closed, triangles);
     let masks_hold = triangles
@@ -179,7 +229,7 @@ fn fan_ring<T: Real>(
     let face_point = |f: u32| face::value(step, f, index, points);
     let here = masks_hold && !semi_sharp || step.is_linear();
     if here {
-        ring.x = wide(points[v as usize]);
+        ring.x = wide(*at(t.fans[v as usize].first));
         ring.sigma = t.vertex_sharpness(v);
     } else {
         ring.x = wide(vertex::value(step, v, spokes, index, points, face_point));
@@ -190,11 +240,7 @@ fn fan_ring<T: Real>(
     for s in spokes.iter() {
         if here {
             let sharpness = t.edge_sharpness(s.edge);
-            ring.push_edge(
-                wide(points[t.vertex(s.far_corner) as usize]),
-                sharpness,
-                sharpness,
-            );
+            ring.push_edge(wide(*at(s.far_corner)), sharpness, sharpness);
         } else {
             let children = step.child_edge(s.edge);
             let near = children[s.end as usize];
@@ -211,9 +257,12 @@ fn fan_ring<T: Real>(
     }
     for h in Ring::of_fan(t, fan) {
         ring.faces.push(if here {
-            wide(points[t.vertex(t.next(t.next(h))) as usize])
+            wide(*at(t.next(t.next(h))))
         } else {
             wide(face_point(t.face_of(h)))
         });
+    }
+    while ring.is_semi_sharp() {
+        ring.advance(step.options.creases);
     }
 }

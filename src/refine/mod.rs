@@ -8,6 +8,7 @@
 //! Children are numbered as OpenSubdiv does: those of vertices, then of faces (quads only), then of edges. So vertex `i` of any level descends from
 //! vertex `i` of the cage.
 
+pub mod channels;
 pub mod connectivity;
 pub mod edge;
 pub mod face;
@@ -18,19 +19,21 @@ pub mod real;
 pub(crate) mod restrict;
 pub mod ring;
 pub mod sharpness;
+pub mod stencils;
 pub mod vertex;
 
 use crate::mesh::Cage;
 use crate::scheme::{CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
 use crate::topology::{NONE, Topology};
-use interpolating::Sheets;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
+pub use channels::Channels;
 pub use face_varying::FaceVarying;
 pub use interpolating::has_semi_sharp;
 pub use limit::{Limit, limit};
 pub use real::Real;
+pub use stencils::{Stencils, stencils};
 
 /// Rules of refinement. The boundary rule is not among them: it is part of the topology.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -105,6 +108,8 @@ pub struct Level<T> {
     pub points: Vec<[T; 3]>,
     /// Texture coordinates.
     pub uvs: Option<FaceVarying<T>>,
+    /// Further values, per vertex, face and corner.
+    pub channels: Channels<T>,
     depth: u32,
     /// How many steps, from the cage on, split triangles.
     triangle_steps: u32,
@@ -133,12 +138,13 @@ impl<T: Real> Level<T> {
             topology,
             points,
             uvs: None,
+            channels: Channels::default(),
             depth: 0,
             triangle_steps: 0,
         })
     }
 
-    /// Level 0 of a cage with its texture coordinates, connected as `topology`. Points are relative to [`Cage::origin`].
+    /// Level 0 of a cage with its texture coordinates and channels, connected as `topology`. Points are relative to [`Cage::origin`].
     ///
     /// # Errors
     /// [`RefineError::WrongCount`] when `topology` belongs to another cage.
@@ -154,6 +160,7 @@ impl<T: Real> Level<T> {
             .map(|p| p.map(|c| T::from_f64(f64::from(c))))
             .collect();
         let mut level = Self::new(topology, points)?;
+        level.channels = Channels::of_cage(cage, &level.topology, scheme, rule)?;
         if !cage.corner_uvs().is_empty() {
             let values: Vec<[T; 2]> = cage
                 .uvs()
@@ -225,9 +232,19 @@ impl<T: Real> Level<T> {
     /// Bytes that refinement by `levels` more steps will hold at its peak: the last two levels.
     #[must_use]
     pub fn predicted_bytes(&self, scheme: Scheme, levels: u32) -> u128 {
-        let uv_values = self.uvs.as_ref().map_or(0, |uv| uv.values.len());
+        let pairs: Vec<usize> = (self.uvs.iter().map(|uv| uv.values.len()))
+            .chain(self.channels.pairs())
+            .collect();
+        let numbers = 3 + self.channels.numbers_per_vertex() as u128;
         let scalar = size_of::<T>() as u128;
-        peak_bytes(&self.topology, scheme, levels, scalar, uv_values)
+        peak_bytes(
+            &self.topology,
+            scheme,
+            levels,
+            numbers * scalar,
+            &pairs,
+            scalar,
+        )
     }
 
     /// The next level.
@@ -250,64 +267,20 @@ impl<T: Real> Level<T> {
         let step = sharpness::Step::new(t, options);
         timings.connectivity += start.elapsed();
 
-        let (faces, edges) = (step.face_points(), t.edge_count());
-        let mut points = vec![[T::default(); 3]; t.vertex_count() + faces + edges];
-        let (vertex_points, rest) = points.split_at_mut(t.vertex_count());
-        let (face_points, edge_points) = rest.split_at_mut(faces);
-        if options.scheme.is_interpolating() && !step.is_linear() {
-            timed(&mut timings.vertex, || {
-                vertex_points.copy_from_slice(&self.points);
-            });
-            let masks = interpolating::Masks::default();
-            let sheets = Sheets::<T, T, 3>::of_points(&step, &masks, &self.points);
-            timed(&mut timings.edge, || {
-                fill(edge_points, |e| sheets.edge_point(sheets.side(e)));
-            });
-            timed(&mut timings.face, || {
-                let edge_point = |h: u32| edge_points[t.edge(h) as usize];
-                fill(face_points, |f| sheets.face_point(4 * f, edge_point));
-            });
-        } else {
-            self.approximating_points(&step, timings, vertex_points, face_points, edge_points);
-        }
+        let points = channels::next_values(&step, &self.points, timings);
+        let channels = self.channels.next(&step, timings);
         let topology = timed(&mut timings.connectivity, || connectivity::child(&step));
         let uvs = self.uvs.as_ref().map(|uv| uv.next(&step, timings));
         Ok(Self {
             topology,
             points,
             uvs,
+            channels,
             depth: self.depth + 1,
             triangle_steps: self.triangle_steps + u32::from(options.scheme.is_triangular()),
             base_corner_faces: self.base_corner_faces.clone(),
             base_face_count: self.base_face_count,
         })
-    }
-
-    /// Points of the schemes that smooth, and of linear steps.
-    fn approximating_points(
-        &self,
-        step: &sharpness::Step<'_>,
-        timings: &mut Timings,
-        vertex_points: &mut [[T; 3]],
-        face_points: &mut [[T; 3]],
-        edge_points: &mut [[T; 3]],
-    ) {
-        let t = &self.topology;
-        timed(&mut timings.face, || {
-            face::points(step, &t.corner_vertices, &self.points, face_points);
-        });
-        timed(&mut timings.edge, || {
-            edge::points(
-                step,
-                &t.corner_vertices,
-                &self.points,
-                face_points,
-                edge_points,
-            );
-        });
-        timed(&mut timings.vertex, || {
-            vertex::points(step, &self.points, face_points, vertex_points);
-        });
     }
 }
 
@@ -425,15 +398,17 @@ pub fn counts(topology: &Topology, scheme: Scheme, levels: u32) -> Counts {
 /// Bytes that refining positions in `f32` by `levels` steps holds at its peak.
 #[must_use]
 pub fn predicted_bytes(topology: &Topology, scheme: Scheme, levels: u32) -> u128 {
-    peak_bytes(topology, scheme, levels, 4, 0)
+    peak_bytes(topology, scheme, levels, 12, &[], 4)
 }
 
+/// `numbers`: bytes of all numbers of a vertex. `pairs`: how many values each channel of corners has, of two numbers of `scalar` bytes.
 fn peak_bytes(
     topology: &Topology,
     scheme: Scheme,
     levels: u32,
+    numbers: u128,
+    pairs: &[usize],
     scalar: u128,
-    uv_values: usize,
 ) -> u128 {
     let triangles = u128::from(scheme.is_triangular());
     let tagged = u128::from(!topology.edge_sharpness.is_empty());
@@ -441,11 +416,9 @@ fn peak_bytes(
     let holes = u128::from(!topology.holes.is_empty());
     let split = u128::from(!topology.corner_fans.is_empty());
     let fan = size_of::<crate::topology::Fan>() as u128;
-    // Values of texture coordinates exceed vertices by what seams duplicate; seams double per level, so the first excess times 2^levels.
-    let excess = (uv_values as u128).saturating_sub(topology.vertex_count() as u128);
     let level_bytes = |level: u32| {
         let c = counts(topology, scheme, level);
-        let per_vertex = 3 * scalar + fan + 4 * pointed;
+        let per_vertex = numbers + fan + 4 * pointed;
         let per_corner = 12 + 4 * split + 4 * triangles;
         let mut sum = c
             .vertices
@@ -453,7 +426,9 @@ fn peak_bytes(
             .saturating_add(c.corners.saturating_mul(per_corner))
             .saturating_add(c.edges.saturating_mul(4 + 12 * tagged))
             .saturating_add(c.faces.saturating_mul(holes + 4 * triangles));
-        if uv_values > 0 {
+        for &values in pairs {
+            // Values exceed vertices by what seams duplicate; seams double per level, so the first excess times 2^levels.
+            let excess = (values as u128).saturating_sub(topology.vertex_count() as u128);
             let seams = excess.saturating_mul(1_u128.checked_shl(level).unwrap_or(u128::MAX));
             let values = c.vertices.saturating_add(seams);
             sum = sum

@@ -4,8 +4,8 @@
 //! whose faces are all in the part refine as in the whole; so whoever needs the ring of a vertex one level on must take in all faces
 //! around the corners of its faces. Vertices, edges and values keep their order.
 
-use super::Level;
 use super::real::Real;
+use super::{Channels, Level};
 use crate::scheme::INFINITE_SHARPNESS;
 use crate::topology::connect::rebuild_fans;
 use crate::topology::{NONE, Topology};
@@ -66,7 +66,9 @@ impl<T: Real> Level<T> {
             topology,
             points,
             uvs,
+            channels: Channels::default(),
             depth: self.depth,
+            triangle_steps: 0,
             base_corner_faces: Vec::new(),
             base_face_count: 0,
         };

@@ -3,6 +3,7 @@
 
 mod cages;
 mod points;
+pub mod random_cages;
 
 pub use cages::*;
 pub use points::*;

@@ -243,7 +243,8 @@ impl<'a> Parser<'a> {
             });
         }
         pad(&mut self.out.colors, index, [1.0; 3]).map_err(|()| self.memory())?;
-        push(&mut self.out.colors, color.map(linear)).map_err(|()| self.memory())
+        push(&mut self.out.colors, color.map(crate::mesh::color::linear))
+            .map_err(|()| self.memory())
     }
 
     fn no_more_numbers(&mut self, keyword: &str) -> Result<(), Fault> {
@@ -370,16 +371,6 @@ pub(super) fn pad<T: Copy>(list: &mut Vec<T>, len: usize, value: T) -> Result<()
         list.resize(len, value);
     }
     Ok(())
-}
-
-/// sRGB value to linear.
-fn linear(c: f64) -> f32 {
-    let value = if c <= 0.04045 {
-        c / 12.92
-    } else {
-        libm::pow((c + 0.055) / 1.055, 2.4)
-    };
-    value as f32
 }
 
 /// Names in a statement of the file, as `usemtl` and `mtllib` have them.

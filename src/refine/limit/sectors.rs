@@ -17,7 +17,7 @@ const DART_STEPS: usize = 64;
 const PARALLEL: f64 = 1e-7;
 
 /// Masks by valence, made when first needed.
-pub(super) struct Tables {
+pub(in crate::refine) struct Tables {
     triangles: bool,
     smooth: [OnceLock<[RingMask; 2]>; TABLE],
     sides: [OnceLock<RingMask>; TABLE],
@@ -26,7 +26,7 @@ pub(super) struct Tables {
 
 impl Tables {
     /// Masks of Loop's triangles, or of Catmull-Clark's quads.
-    pub(super) fn new(triangles: bool) -> Self {
+    pub(in crate::refine) fn new(triangles: bool) -> Self {
         Self {
             triangles,
             smooth: [const { OnceLock::new() }; TABLE],
@@ -251,6 +251,12 @@ impl LocalRing {
                 tables.smooth(n, |m| [0, 1].map(|k| self.apply(&m[k], sector.first)))
             }
         }
+    }
+
+    /// Both tangents of the first sector, as the masks give them. The ring must not be semi-sharp.
+    pub(super) fn first_tangents(&self, tables: &Tables, linear: bool) -> [Point; 2] {
+        let first = self.sectors(linear)[0];
+        self.tangents(tables, first, linear)
     }
 
     /// Sum of the face normals of a sector, each by its diagonals.
