@@ -178,7 +178,7 @@ fn write_stencils(
 ) -> Result<Staged, Failure> {
     let limits = job.limits();
     limits.check()?;
-    limits.faces(counts(&base.topology, a.level).faces)?;
+    limits.faces(counts(&base.topology, options.scheme, a.level).faces)?;
     watch::phase(Phase::Refining);
     let found = job.time("stencils", |_| {
         stencils(&base.topology, options, a.level, a.limit, limits.max_memory)
