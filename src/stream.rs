@@ -43,6 +43,7 @@ impl<'a> BlockStream<'a> {
     #[must_use]
     pub fn new(surface: &'a Surface, level: u32) -> Self {
         assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
+        surface.ensure(level);
         Self {
             surface,
             patch: QuadPatch::default(),
@@ -62,7 +63,7 @@ impl<'a> BlockStream<'a> {
         FacePatch::block_size(self.level)
     }
 
-    /// Prepares quad `q` and calls `each` for its blocks, by row and column.
+    /// Prepares quad `q` (or triangle; see [`Surface::is_triangular`]) and calls `each` for its blocks, by row and column.
     ///
     /// # Panics
     /// When there is no such quad.
@@ -70,8 +71,9 @@ impl<'a> BlockStream<'a> {
         self.patch
             .prepare_points(self.surface, q, self.level, None, Sides::Normals);
         let n = self.blocks_per_side();
+        let triangles = self.surface.is_triangular();
         for v in 0..n {
-            for u in 0..n {
+            for u in if triangles { v } else { 0 }..n {
                 each(self, u, v);
             }
         }

@@ -4,7 +4,7 @@ mod diced;
 mod mesh;
 mod patch;
 
-use crate::control::{ControlTree, Kind, TreeChannel};
+use crate::control::{ControlTree, Fans, Kind, TreeChannel};
 use crate::dice::control::Descend;
 use crate::dice::face::{Channel, FacePatch};
 use crate::dice::fan_points::FanPoints;
@@ -47,12 +47,12 @@ struct VertexChannel {
 
 /// Fans of control points after some steps, for every control level.
 #[derive(Clone, Debug)]
-pub(crate) struct RefinedFans(Vec<FanPoints>);
+pub(crate) struct RefinedFans(Vec<Fans>);
 
 impl RefinedFans {
     /// The point of a fan of the quads.
     pub(crate) fn point(&self, fan: u32) -> [f32; 3] {
-        self.0[0].limits[fan as usize]
+        self.0[0].limits()[fan as usize]
     }
 }
 
@@ -82,6 +82,8 @@ pub struct Surface {
     control: Option<Box<ControlTree>>,
     linear: bool,
     linear_uv: bool,
+    /// Whether faces are triangles, under Loop's scheme.
+    triangles: bool,
     warnings: Vec<TopologyWarning>,
 }
 
@@ -108,6 +110,7 @@ impl Surface {
             .or(tags.face_varying)
             .unwrap_or_default();
         let linear = options.scheme == Scheme::Bilinear;
+        let triangles = options.scheme == Scheme::Loop;
         let mut surface = Self {
             options: *options,
             mesh: QuadMesh::bare(base),
@@ -116,6 +119,7 @@ impl Surface {
             control: None,
             linear,
             linear_uv: linear || rule == FaceVaryingRule::All,
+            triangles,
             warnings,
             cage,
         };
@@ -160,13 +164,13 @@ impl Surface {
         let tagged = !base.edge_sharpness.is_empty()
             || cage.tags.corners.iter().any(|c| c.sharpness > 0.0)
             || (options.triangles == TriangleRule::Smooth && !base.all_quads());
-        if self.linear || !tagged {
+        if self.linear || !(tagged || self.triangles) {
             return None;
         }
         let level = refine::Level::<f64>::of_cage(cage, base.clone(), options.scheme, rule).ok()?;
         let wide = |c: &[f32; 3]| c.map(f64::from);
         let colors: Vec<[f64; 3]> = cage.colors.iter().map(wide).collect();
-        if base.all_quads() {
+        if base.all_quads() || self.triangles {
             return Some(ControlTree::new(level, colors, options));
         }
         let mut timings = refine::Timings::default();
@@ -210,6 +214,32 @@ impl Surface {
         }
     }
 
+    /// Whether the surface has a channel.
+    pub(crate) fn has(&self, kind: Kind) -> bool {
+        match kind {
+            Kind::Points => true,
+            Kind::Uvs => self.has_uvs(),
+            Kind::Colors => !self.cage.colors.is_empty(),
+        }
+    }
+
+    /// Texture coordinates at the corners of face `q`, for linear interpolation; a triangle repeats its last.
+    fn linear_corners(&self, q: u32) -> Option<[[f32; 3]; 4]> {
+        let (t, points) = match &self.control {
+            Some(control) => {
+                let mesh = control.root(Kind::Uvs)?;
+                (&mesh.topology, &mesh.points)
+            }
+            None => {
+                let uv = self.uv.as_ref()?;
+                (uv.quads(), &uv.points)
+            }
+        };
+        let halves = t.face_halves(q);
+        let corner = |c: u32| points[t.vertex((halves.start + c).min(halves.end - 1)) as usize];
+        Some([corner(0), corner(1), corner(2), corner(3)])
+    }
+
     /// The control levels below a channel.
     pub(crate) fn below<'a>(
         &'a self,
@@ -230,10 +260,13 @@ impl Surface {
         let below = below.map(|b| b as &dyn Descend);
         if let Some(control) = &self.control {
             let mesh = control.root(kind)?;
+            let Fans::Quads(_, fans) = &mesh.fans else {
+                return None;
+            };
             return Some(Channel {
                 topology: &mesh.topology,
                 points: &mesh.points,
-                fans: &mesh.fans,
+                fans,
                 below,
                 linear: false,
             });
@@ -284,6 +317,12 @@ impl Surface {
         Ok(())
     }
 
+    /// Whether the faces that are diced are triangles (under Loop's scheme); else they are quads. A triangle fills the half of its grid
+    /// where the row is at most the column: corner 0 at (0, 0), corner 1 at (n, 0), corner 2 at (n, n).
+    #[must_use]
+    pub fn is_triangular(&self) -> bool {
+        self.triangles
+    }
     /// The cage.
     #[must_use]
     pub fn cage(&self) -> &Cage {
@@ -310,7 +349,7 @@ impl Surface {
     /// Whether the quads are those of the first step; a level of the cage is then one less of the quads.
     #[must_use]
     pub fn is_split(&self) -> bool {
-        !self.mesh.base.all_quads()
+        !self.triangles && !self.mesh.base.all_quads()
     }
     /// Face of the cage that quad `q` belongs to.
     #[must_use]
@@ -347,11 +386,11 @@ impl Surface {
     /// Limit points and unit normals at the vertices of fan `fan` of the quad mesh.
     #[must_use]
     pub fn fan_limit(&self, fan: u32) -> ([f32; 3], [f32; 3]) {
-        let fans = match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
-            Some(root) => &root.fans,
-            None => &self.mesh.fans,
+        let (limits, normals) = match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
+            Some(root) => (root.fans.limits(), root.fans.normals()),
+            None => (&*self.mesh.fans.limits, &*self.mesh.fans.normals),
         };
-        (fans.limits[fan as usize], fans.normals[fan as usize])
+        (limits[fan as usize], normals[fan as usize])
     }
 
     /// Dices quad `q` of [`Surface::quads`] on a grid of `2^level + 1` points along each side.
@@ -409,7 +448,8 @@ impl Surface {
         let blocks = FacePatch::blocks_per_side(level);
         let m = FacePatch::block_size(level).cols - 1;
         for bv in 0..blocks {
-            for bu in 0..blocks {
+            let first = if self.triangles { bv } else { 0 };
+            for bu in first..blocks {
                 patch.dice(bu, bv, &mut points, Some(&mut normals));
                 if let Some(uvs) = uvs.as_deref_mut() {
                     patch.dice_uvs(bu, bv, uvs);
@@ -427,6 +467,9 @@ impl Surface {
                 }
             }
         }
+        if self.triangles {
+            out.fold();
+        }
         out
     }
 
@@ -441,6 +484,10 @@ impl Surface {
     }
 
     fn corner_limit(&self, kind: Kind, h: u32) -> Option<[f32; 3]> {
+        if let Some(control) = &self.control {
+            let mesh = control.root(kind)?;
+            return Some(mesh.fans.limits()[mesh.topology.fan(h) as usize]);
+        }
         let channel = self.channel(kind, None)?;
         Some(channel.fans.limits[channel.topology.fan(h) as usize])
     }
@@ -452,7 +499,7 @@ impl Surface {
             None => {
                 let mut fans = self.mesh.fans_of(&self.mesh.points, Some(level), false);
                 fans.normals.clone_from(&self.mesh.fans.normals);
-                vec![fans]
+                vec![Fans::Quads(Default::default(), fans)]
             }
         })
     }

@@ -12,27 +12,91 @@ mod tips;
 use crate::dice::MAX_LEVEL;
 use crate::dice::control::{Descend, View};
 use crate::dice::fan_points::{FanPoints, TangentMasks};
+use crate::dice::triangle::{DescendTriangles, TriangleFans, TriangleMasks, TriangleView};
 use crate::refine::{self, Level, Timings};
 use crate::topology::{NONE, Topology};
 use cut::{VertexRules, cut_points, cut_values};
 use std::sync::OnceLock;
 
+/// Limit data of the fans of a channel, with the masks they came by.
+#[derive(Clone, Debug)]
+pub(crate) enum Fans {
+    Quads(TangentMasks, FanPoints),
+    Triangles(TriangleMasks, TriangleFans),
+}
+
+impl Fans {
+    fn new(t: &Topology, points: &[[f32; 3]], normals: bool) -> Self {
+        if is_triangular(t) {
+            let masks = TriangleMasks::new(t);
+            let fans = TriangleFans::new(t, &masks, points, None, normals);
+            return Self::Triangles(masks, fans);
+        }
+        let masks = TangentMasks::new(t);
+        let fans = FanPoints::new(t, &masks, points, None, normals);
+        Self::Quads(masks, fans)
+    }
+
+    /// The same with control points after `steps` steps in place of limits.
+    fn refined(&self, t: &Topology, points: &[[f32; 3]], steps: u32) -> Self {
+        match self {
+            Self::Quads(masks, limits) => {
+                let mut fans = FanPoints::new(t, masks, points, Some(steps), false);
+                fans.normals.clone_from(&limits.normals);
+                Self::Quads(TangentMasks::default(), fans)
+            }
+            Self::Triangles(masks, limits) => {
+                let mut fans = TriangleFans::new(t, masks, points, Some(steps), false);
+                fans.normals.clone_from(&limits.normals);
+                Self::Triangles(TriangleMasks::default(), fans)
+            }
+        }
+    }
+
+    pub(crate) fn limits(&self) -> &[[f32; 3]] {
+        match self {
+            Self::Quads(_, fans) => &fans.limits,
+            Self::Triangles(_, fans) => &fans.limits,
+        }
+    }
+    pub(crate) fn normals(&self) -> &[[f32; 3]] {
+        match self {
+            Self::Quads(_, fans) => &fans.normals,
+            Self::Triangles(_, fans) => &fans.normals,
+        }
+    }
+    fn limits_mut(&mut self) -> &mut [[f32; 3]] {
+        match self {
+            Self::Quads(_, fans) => &mut fans.limits,
+            Self::Triangles(_, fans) => &mut fans.limits,
+        }
+    }
+    fn normals_mut(&mut self) -> &mut [[f32; 3]] {
+        match self {
+            Self::Quads(_, fans) => &mut fans.normals,
+            Self::Triangles(_, fans) => &mut fans.normals,
+        }
+    }
+}
+
+/// Whether the faces are triangles; else they are quads.
+fn is_triangular(t: &Topology) -> bool {
+    !t.all_quads()
+}
+
 /// One channel of a level, cut and ready to be diced.
 #[derive(Clone, Debug)]
 pub(crate) struct ChannelMesh {
     pub(crate) topology: Topology,
-    pub(crate) masks: TangentMasks,
     pub(crate) points: Vec<[f32; 3]>,
-    pub(crate) fans: FanPoints,
+    pub(crate) fans: Fans,
 }
 
 impl ChannelMesh {
     fn new(topology: Topology, points: Vec<[f32; 3]>, normals: bool) -> Self {
-        let masks = TangentMasks::new(&topology);
-        let fans = FanPoints::new(&topology, &masks, &points, None, normals);
+        let fans = Fans::new(&topology, &points, normals);
         Self {
             topology,
-            masks,
             points,
             fans,
         }
@@ -81,7 +145,7 @@ pub(crate) struct ControlTree {
 }
 
 impl ControlTree {
-    /// The tree over `level`, whose faces are all quads. `colors` holds one value per vertex, or nothing.
+    /// The tree over `level`, whose faces are all quads or all triangles. `colors` holds one value per vertex, or nothing.
     pub(crate) fn new(level: Level<f64>, colors: Vec<[f64; 3]>, options: refine::Options) -> Self {
         let owned = vec![true; level.topology.face_count()];
         Self {
@@ -96,17 +160,25 @@ impl ControlTree {
         self.root.channel(kind)
     }
 
-    /// Makes the levels that dicing at `level` needs. To be called before any thread dices.
+    /// Makes the levels that dicing at `level` needs.
+    ///
+    /// Nobody waits for another thread here: two that come at once both make the level, and the first to be done is kept. Waiting would be
+    /// a deadlock where a thread pool hands the waiting thread a task that comes here again.
     pub(crate) fn ensure(&self, level: u32) {
         for depth in 1..=level.min(MAX_LEVEL) {
             let Some(parent) = self.level(depth - 1) else {
                 return;
             };
-            self.deeper[depth as usize - 1]
-                .get_or_init(|| parent.next(&self.options).map(Box::new));
+            let slot = &self.deeper[depth as usize - 1];
+            if slot.get().is_none() {
+                // When another thread was first, its level is the same.
+                let _ = slot.set(parent.next(&self.options).map(Box::new));
+            }
         }
-        if let Some(last) = self.level(level.min(MAX_LEVEL)) {
-            last.tips.get_or_init(|| last.make_tips(&self.options));
+        if let Some(last) = self.level(level.min(MAX_LEVEL))
+            && last.tips.get().is_none()
+        {
+            let _ = last.tips.set(last.make_tips(&self.options));
         }
     }
 
@@ -118,9 +190,9 @@ impl ControlTree {
     }
 
     /// Fans whose positions are the control points after `level` steps; one set for every control level.
-    pub(crate) fn refined(&self, level: u32) -> Vec<FanPoints> {
+    pub(crate) fn refined(&self, level: u32) -> Vec<Fans> {
         self.ensure(level);
-        let mut all: Vec<FanPoints> = (0..=level)
+        let mut all: Vec<Fans> = (0..=level)
             .map_while(|depth| self.level(depth).map(|l| l.refined(level - depth)))
             .collect();
         // Corners of the first level's quads at features: the same point for all faces, from where the vertex is no feature any more.
@@ -140,7 +212,8 @@ impl ControlTree {
                 };
                 (v, depth) = (child as u32, depth + 1);
             }
-            all[0].limits[fan as usize] = all[depth as usize].limits[v as usize];
+            let point = all[depth as usize].limits()[v as usize];
+            all[0].limits_mut()[fan as usize] = point;
         }
         all
     }
@@ -150,7 +223,7 @@ impl ControlTree {
         &'a self,
         kind: Kind,
         level: u32,
-        refined: Option<&'a [FanPoints]>,
+        refined: Option<&'a [Fans]>,
     ) -> TreeChannel<'a> {
         TreeChannel {
             tree: self,
@@ -167,27 +240,61 @@ pub(crate) struct TreeChannel<'a> {
     tree: &'a ControlTree,
     kind: Kind,
     level: u32,
-    refined: Option<&'a [FanPoints]>,
+    refined: Option<&'a [Fans]>,
+}
+
+impl<'a> TreeChannel<'a> {
+    /// What both kinds of views hold.
+    fn parts(&self, depth: u32) -> Option<(&'a ControlLevel, &'a ChannelMesh, &'a Fans)> {
+        let level = self.tree.level(depth)?;
+        let mesh = level.channel(self.kind)?;
+        let fans = (self.refined).map_or(&mesh.fans, |r| &r[depth as usize]);
+        Some((level, mesh, fans))
+    }
+
+    fn tips(&self, level: &'a ControlLevel, depth: u32) -> Option<&'a [(u32, [f32; 3])]> {
+        let tips = (depth == self.level).then(|| level.tips.get()).flatten()?;
+        let own = match self.kind {
+            Kind::Points => return None,
+            Kind::Uvs => &tips.uvs,
+            Kind::Colors => &tips.colors,
+        };
+        (!own.is_empty()).then_some(own.as_slice())
+    }
 }
 
 impl Descend for TreeChannel<'_> {
     fn at(&self, depth: u32) -> Option<View<'_>> {
-        let level = self.tree.level(depth)?;
-        let mesh = level.channel(self.kind)?;
-        let tips = (depth == self.level).then(|| level.tips.get()).flatten();
-        let tips = match self.kind {
-            Kind::Points => None,
-            Kind::Uvs => tips.map(|t| &t.uvs),
-            Kind::Colors => tips.map(|t| &t.colors),
+        let (level, mesh, fans) = self.parts(depth)?;
+        let Fans::Quads(_, fans) = fans else {
+            return None;
         };
         Some(View {
             topology: &mesh.topology,
             points: &mesh.points,
-            fans: self.refined.map_or(&mesh.fans, |r| &r[depth as usize]),
+            fans,
             children: &level.children,
             features: &level.rules.features,
             whole: &level.level.topology,
-            tips: tips.filter(|t| !t.is_empty()).map(Vec::as_slice),
+            tips: self.tips(level, depth),
+        })
+    }
+}
+
+impl DescendTriangles for TreeChannel<'_> {
+    fn at(&self, depth: u32) -> Option<TriangleView<'_>> {
+        let (level, mesh, fans) = self.parts(depth)?;
+        let Fans::Triangles(_, fans) = fans else {
+            return None;
+        };
+        Some(TriangleView {
+            topology: &mesh.topology,
+            points: &mesh.points,
+            fans,
+            children: &level.children,
+            features: &level.rules.features,
+            whole: &level.level.topology,
+            tips: self.tips(level, depth),
         })
     }
 }
@@ -292,11 +399,9 @@ impl ControlLevel {
             .unwrap_or_default()
     }
 
-    fn refined(&self, steps: u32) -> FanPoints {
+    fn refined(&self, steps: u32) -> Fans {
         let m = &self.points;
-        let mut fans = FanPoints::new(&m.topology, &m.masks, &m.points, Some(steps), false);
-        fans.normals.clone_from(&m.fans.normals);
-        fans
+        m.fans.refined(&m.topology, &m.points, steps)
     }
 
     fn make_tips(&self, options: &refine::Options) -> tips::Tips {

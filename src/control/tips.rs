@@ -59,9 +59,9 @@ pub(super) fn set_feature_limits(
                 // The tip of a cone: as many normals as faces. Its fan's own normal is their mean, which both faces at an edge share.
                 continue;
             }
-            points.fans.limits[fan] =
+            points.fans.limits_mut()[fan] =
                 limits.positions[part.topology.vertex(local) as usize].map(|c| c as f32);
-            points.fans.normals[fan] = limits.normals
+            points.fans.normals_mut()[fan] = limits.normals
                 [limits.normal_index(&part.topology, local) as usize]
                 .map(|c| c as f32);
         }

@@ -75,7 +75,8 @@ fn tile_coverage(frame: &Frame<'_>, tile: usize, fault: CoverageFault) -> Signed
         let source = frame.source_of(item);
         let local = item - source.first_item;
         let [nu, nv] = source.blocks(local);
-        for block in (0..nu * nv).map(|b| [b % nu, b / nu]) {
+        let all = (0..nu * nv).map(|b| [b % nu, b / nu]);
+        for block in all.filter(|&b| source.has_block(b)) {
             source.dice(&mut scratch, local, block, &mut points, None);
             project(
                 frame.simd,

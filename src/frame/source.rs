@@ -171,6 +171,11 @@ impl<'a> Source<'a> {
         [FacePatch::blocks_per_side(self.quad_level()); 2]
     }
 
+    /// Whether block (`bu`, `bv`) has an area: triangles fill one half of their square of blocks.
+    pub(super) fn has_block(&self, [bu, bv]: [u32; 2]) -> bool {
+        self.drawing == Drawing::Cage || !self.object.surface.is_triangular() || bv <= bu
+    }
+
     pub(super) fn block_size(&self) -> BlockSize {
         if self.drawing == Drawing::Cage {
             PAIR
@@ -181,7 +186,12 @@ impl<'a> Source<'a> {
 
     /// Micro-triangles of all items that are drawn.
     pub(super) fn triangles(&self) -> u64 {
-        let per_quad = 2_u64 << (2 * self.quad_level());
+        let per_face = if self.object.surface.is_triangular() {
+            1_u64
+        } else {
+            2
+        };
+        let per_quad = per_face << (2 * self.quad_level());
         let count = |item: u32| match self.drawing {
             Drawing::Cage => self.object.surface.cage().face(item as usize).len() as u64 - 2,
             _ => per_quad,

@@ -135,7 +135,7 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
     let cutout = frame.cutout(source.object.material(source.cage_face(local)));
     let [nu, nv] = source.blocks(local);
     for bv in 0..nv {
-        for bu in 0..nu {
+        for bu in (0..nu).filter(|&bu| source.has_block([bu, bv])) {
             let clock = s.times.start();
             if nu * nv > 1 {
                 source.block_hull(&mut s.source, local, [bu, bv], &mut s.hull);

@@ -16,6 +16,21 @@ pub struct DicedQuad {
 }
 
 impl DicedQuad {
+    /// Repeats the diagonal above it: the other half of a triangle's grid.
+    pub(super) fn fold(&mut self) {
+        let n = self.side;
+        for j in 1..n {
+            let (from, to) = (j * n + j, j * n..j * n + j);
+            for i in to {
+                self.points[i] = self.points[from];
+                self.normals[i] = self.normals[from];
+                if let Some(&uv) = self.uvs.get(from) {
+                    self.uvs[i] = uv;
+                }
+            }
+        }
+    }
+
     /// Tangent and bitangent at every point, row by row: unit vectors in the tangent plane along which the texture's u and v grow (along
     /// the grid's u and v where there are no texture coordinates). From central differences of the grid, made normal to the limit
     /// normal; so they suit normal maps, and are not exact like the normals are. Mirrored texture shows as a left-handed pair.

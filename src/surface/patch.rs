@@ -1,18 +1,97 @@
 //! A quad of a surface with all of its channels, prepared for dicing.
 
 use super::{RefinedFans, Surface};
-use crate::control::Kind;
+use crate::control::{Fans, Kind};
 use crate::dice::face::{FacePatch, Sides};
+use crate::dice::triangle::TrianglePatch;
 use crate::dice::{DiceFault, Target};
 use crate::records::Grid3;
 use crate::simd::Level;
 
+/// A face of one channel, quad or triangle.
+#[derive(Clone, Debug, Default)]
+struct ChannelPatch {
+    quad: FacePatch,
+    triangle: TrianglePatch,
+    is_triangle: bool,
+}
+
+/// What is asked of a face.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    target: Target,
+    level: u32,
+    sides: Sides,
+}
+
+impl ChannelPatch {
+    fn set_simd(&mut self, simd: Level) {
+        self.quad.simd = simd;
+        self.triangle.simd = simd;
+    }
+
+    /// Prepares face `q` of a channel; false when the surface has no such channel.
+    fn prepare(
+        &mut self,
+        surface: &Surface,
+        kind: Kind,
+        q: u32,
+        refined: Option<&RefinedFans>,
+        wanted: Wanted,
+    ) -> bool {
+        let Wanted {
+            target,
+            level,
+            sides,
+        } = wanted;
+        self.is_triangle = surface.triangles;
+        let below = surface.below(kind, level, refined);
+        if self.is_triangle {
+            if let Some(below) = below.as_ref().filter(|_| surface.has(kind)) {
+                self.triangle.prepare_below(below, q, target, level, sides);
+                return true;
+            }
+            return false;
+        }
+        let Some(mut channel) = surface.channel(kind, below.as_ref()) else {
+            return false;
+        };
+        if let Some(Fans::Quads(_, fans)) = refined.and_then(|r| r.0.first()) {
+            channel.fans = fans;
+        }
+        self.quad.prepare(channel, q, target, level, sides);
+        true
+    }
+
+    fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        match self.is_triangle {
+            true => self.triangle.dice(bu, bv, points, normals),
+            false => self.quad.dice(bu, bv, points, normals),
+        }
+    }
+
+    fn hull(&self, out: impl FnMut([f32; 3])) {
+        match self.is_triangle {
+            true => self.triangle.hull(out),
+            false => self.quad.hull(out),
+        }
+    }
+
+    fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
+        match self.is_triangle {
+            true => self.triangle.block_hull(bu, bv, out),
+            false => self.quad.block_hull(bu, bv, out),
+        }
+    }
+}
+
 /// A quad of a surface prepared for dicing: its points and its texture coordinates.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct QuadPatch {
-    points: FacePatch,
-    uvs: FacePatch,
-    colors: FacePatch,
+    points: ChannelPatch,
+    uvs: ChannelPatch,
+    colors: ChannelPatch,
+    triangle: bool,
     uv_ready: bool,
     color_ready: bool,
     linear: Option<[[f32; 3]; 4]>,
@@ -22,14 +101,15 @@ pub(crate) struct QuadPatch {
 impl QuadPatch {
     /// Chooses the vector instructions; never changes a bit.
     pub(crate) fn set_simd(&mut self, simd: Level) {
-        self.points.simd = simd;
-        self.uvs.simd = simd;
-        self.colors.simd = simd;
+        self.points.set_simd(simd);
+        self.uvs.set_simd(simd);
+        self.colors.set_simd(simd);
     }
 
     /// Breaks a rule, for tests.
     pub(crate) fn set_fault(&mut self, fault: DiceFault) {
-        self.points.fault = fault;
+        self.points.quad.fault = fault;
+        self.points.triangle.fault = fault;
     }
 
     /// Prepares quad `q`. `refined` holds the fans of [`Surface::refined_fans`] if control points are wanted.
@@ -56,34 +136,41 @@ impl QuadPatch {
         self.level = level;
         self.uv_ready = false;
         self.color_ready = false;
+        self.triangle = surface.triangles;
         let target = match refined {
             Some(_) if !surface.linear => Target::Refined,
             _ => Target::Limit,
         };
-        let below = surface.below(Kind::Points, level, refined);
-        let Some(mut channel) = surface.channel(Kind::Points, below.as_ref()) else {
-            return;
+        let wanted = Wanted {
+            target,
+            level,
+            sides,
         };
-        if let Some(fans) = refined.and_then(|r| r.0.first()) {
-            channel.fans = fans;
-        }
-        self.points.prepare(channel, q, target, level, sides);
+        self.points
+            .prepare(surface, Kind::Points, q, refined, wanted);
     }
 
     pub(crate) fn prepare_uvs(&mut self, surface: &Surface, q: u32) {
-        let below = surface.below(Kind::Uvs, self.level, None);
-        let Some(channel) = surface.channel(Kind::Uvs, below.as_ref()) else {
+        if !surface.has_uvs() {
             return;
-        };
+        }
         self.uv_ready = true;
         self.linear = None;
         if surface.linear_uv {
-            let corner = |c: u32| channel.points[channel.topology.vertex(4 * q + c) as usize];
-            self.linear = Some([corner(0), corner(1), corner(2), corner(3)]);
+            self.linear = surface.linear_corners(q);
             return;
         }
-        self.uvs
-            .prepare(channel, q, Target::Limit, self.level, Sides::None);
+        let wanted = self.values();
+        self.uvs.prepare(surface, Kind::Uvs, q, None, wanted);
+    }
+
+    /// Values without sides of their own, at the level of the points.
+    fn values(&self) -> Wanted {
+        Wanted {
+            target: Target::Limit,
+            level: self.level,
+            sides: Sides::None,
+        }
     }
 
     pub(crate) fn has_uvs(&self) -> bool {
@@ -92,14 +179,9 @@ impl QuadPatch {
 
     /// Prepares the vertex colours of quad `q`; says whether there are any.
     pub(crate) fn prepare_colors(&mut self, surface: &Surface, q: u32) -> bool {
-        if self.color_ready {
-            return true;
-        }
-        let below = surface.below(Kind::Colors, self.level, None);
-        if let Some(channel) = surface.channel(Kind::Colors, below.as_ref()) {
-            self.colors
-                .prepare(channel, q, Target::Limit, self.level, Sides::None);
-            self.color_ready = true;
+        if !self.color_ready {
+            let wanted = self.values();
+            self.color_ready = self.colors.prepare(surface, Kind::Colors, q, None, wanted);
         }
         self.color_ready
     }
@@ -124,6 +206,11 @@ impl QuadPatch {
             for i in 0..size.cols {
                 let s = (bu as usize * (size.cols - 1) + i) as f32 * scale;
                 let at = |k: usize| {
+                    if self.triangle {
+                        // Above the diagonal, everything is folded onto it.
+                        let t = t.min(s);
+                        return (c[0][k] * (1.0 - s) + c[1][k] * (s - t)) + c[2][k] * t;
+                    }
                     (c[0][k] * (1.0 - s) + c[1][k] * s) * (1.0 - t)
                         + (c[3][k] * (1.0 - s) + c[2][k] * s) * t
                 };

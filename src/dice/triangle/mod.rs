@@ -8,6 +8,7 @@
 //! refinement itself in place of its eigenvectors.
 
 mod basis;
+mod control;
 mod fans;
 mod lattice;
 mod patch;
@@ -17,9 +18,8 @@ mod side;
 #[cfg(test)]
 mod tests;
 
-#[expect(unused_imports, reason = "for the surface, which does not use them yet")]
 pub(crate) use self::{
+    control::{DescendTriangles, TriangleView},
     fans::{TriangleFans, TriangleMasks},
-    patch::{SidePlace, TriangleChannel, TrianglePatch},
-    piece::Place,
+    patch::TrianglePatch,
 };

@@ -48,10 +48,10 @@ impl SidePlace {
 
 /// A grid point that no piece knows better: the corner of a control triangle.
 #[derive(Clone, Copy, Debug)]
-struct Dot {
-    place: [i32; 2],
-    point: [f32; 3],
-    normal: [f32; 3],
+pub(super) struct Dot {
+    pub(super) place: [i32; 2],
+    pub(super) point: [f32; 3],
+    pub(super) normal: [f32; 3],
 }
 
 /// A triangle prepared for dicing at one level, with buffers that are used again for the next one.
@@ -60,11 +60,11 @@ pub(crate) struct TrianglePatch {
     level: u32,
     target: Target,
     wanted: Sides,
-    pieces: Vec<Piece>,
-    dots: Vec<Dot>,
-    sides: [EdgeSamples; 3],
+    pub(super) pieces: Vec<Piece>,
+    pub(super) dots: Vec<Dot>,
+    pub(super) sides: [EdgeSamples; 3],
     /// Control points that no piece stands for, in hulls only.
-    hull: Vec<P4>,
+    pub(super) hull: Vec<P4>,
     /// Rings of the regular corners of the triangle in work, before and after one step.
     hexagons: [[Hexagon; 2]; 3],
     windows: [Window; 3],
