@@ -101,8 +101,16 @@ fn weight(k: usize) -> Poly {
 fn derivative(f: &Poly, [along_s, along_t]: [f64; 2]) -> Poly {
     std::array::from_fn(|p| {
         std::array::from_fn(|q| {
-            let s = if p < 4 { (p + 1) as f64 * f[p + 1][q] } else { 0.0 };
-            let t = if q < 4 { (q + 1) as f64 * f[p][q + 1] } else { 0.0 };
+            let s = if p < 4 {
+                (p + 1) as f64 * f[p + 1][q]
+            } else {
+                0.0
+            };
+            let t = if q < 4 {
+                (q + 1) as f64 * f[p][q + 1]
+            } else {
+                0.0
+            };
             along_s * s + along_t * t
         })
     })
@@ -149,8 +157,7 @@ pub(super) fn expansion(target: Target, level: u32) -> &'static Expansion {
         Target::Refined => (level as usize + 1, 1.0 / f64::from(1_u32 << level)),
     };
     TABLES[at].get_or_init(|| {
-        let columns: [[f64; 25]; 12] =
-            std::array::from_fn(|k| bernstein(&control(&weight(k), h)));
+        let columns: [[f64; 25]; 12] = std::array::from_fn(|k| bernstein(&control(&weight(k), h)));
         std::array::from_fn(|i| std::array::from_fn(|k| columns[k][i] as f32))
     })
 }

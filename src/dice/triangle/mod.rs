@@ -17,7 +17,10 @@ mod side;
 #[cfg(test)]
 mod tests;
 
-#[expect(unused_imports, reason = "for the surface, which does not use them yet")]
+#[expect(
+    unused_imports,
+    reason = "for the surface, which does not use them yet"
+)]
 pub(crate) use self::{
     fans::{TriangleFans, TriangleMasks},
     patch::{SidePlace, TriangleChannel, TrianglePatch},

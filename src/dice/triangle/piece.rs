@@ -125,13 +125,7 @@ fn weigh5_one(w: &[Vec<f32>; 5], at: usize, n: usize, q: [f32; 5], out: &mut Lin
 
 /// A quartic along a line.
 #[inline(always)]
-pub(super) fn weigh5(
-    w: &[Vec<f32>; 5],
-    at: usize,
-    n: usize,
-    q: &[P4; 5],
-    out: &mut [Line; 3],
-) {
+pub(super) fn weigh5(w: &[Vec<f32>; 5], at: usize, n: usize, q: &[P4; 5], out: &mut [Line; 3]) {
     let [x, y, z] = out;
     weigh5_one(w, at, n, q.map(|p| p.0[0]), x);
     weigh5_one(w, at, n, q.map(|p| p.0[1]), y);
@@ -198,7 +192,10 @@ impl Piece {
         let [x0, y0] = self.origin();
         let (low, high) = (
             [range.low[0].max(x0), range.low[1].max(y0)],
-            [range.high[0].min(x0 + self.size), range.high[1].min(y0 + self.size)],
+            [
+                range.high[0].min(x0 + self.size),
+                range.high[1].min(y0 + self.size),
+            ],
         );
         // A triangle of an up piece needs column ≥ row, of a down piece row ≥ column.
         let apart = if self.down {
@@ -252,15 +249,23 @@ impl Piece {
         let b = Bernstein::get(self.level);
         let spare = fallback(&self.net);
         let along: [[P4; 4]; 5] = std::array::from_fn(|r| differences(&net[r]));
-        let across: [[P4; 4]; 4] = std::array::from_fn(|r| {
-            reduced(std::array::from_fn(|c| net[r + 1][c] - net[r][c]))
-        });
+        let across: [[P4; 4]; 4] =
+            std::array::from_fn(|r| reduced(std::array::from_fn(|c| net[r + 1][c] - net[r][c])));
         let (mut du, mut dv, mut unit) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3], [[0.0; LINE]; 3]);
         self.each_row(rows, |j, first, n, to| {
             let w5 = [0, 1, 2, 3, 4].map(|k| b.quartic[k][j]);
             let w4 = [0, 1, 2, 3].map(|k| b.cubic[k][j]);
             let mut u: [P4; 4] = std::array::from_fn(|c| {
-                blend5(w5, [along[0][c], along[1][c], along[2][c], along[3][c], along[4][c]])
+                blend5(
+                    w5,
+                    [
+                        along[0][c],
+                        along[1][c],
+                        along[2][c],
+                        along[3][c],
+                        along[4][c],
+                    ],
+                )
             });
             let mut v: [P4; 4] = std::array::from_fn(|c| {
                 blend4(w4, [across[0][c], across[1][c], across[2][c], across[3][c]])
@@ -290,8 +295,14 @@ impl Piece {
             };
             let (left, right) = (left.max(rows.low[0]), right.min(rows.high[0]));
             if left <= right {
-                let to = (y - rows.start[1]) as usize * BLOCK_STRIDE + (left - rows.start[0]) as usize;
-                f(j as usize, (left - x0) as usize, (right - left + 1) as usize, to);
+                let to =
+                    (y - rows.start[1]) as usize * BLOCK_STRIDE + (left - rows.start[0]) as usize;
+                f(
+                    j as usize,
+                    (left - x0) as usize,
+                    (right - left + 1) as usize,
+                    to,
+                );
             }
         }
     }
@@ -334,7 +345,13 @@ impl Piece {
         let net = expand(&self.net, expansion(Target::Limit, 0));
         let along: Tensor = std::array::from_fn(|r| restricted(net[r], s));
         for c in 0..5 {
-            let column = [along[0][c], along[1][c], along[2][c], along[3][c], along[4][c]];
+            let column = [
+                along[0][c],
+                along[1][c],
+                along[2][c],
+                along[3][c],
+                along[4][c],
+            ];
             restricted(column, t)
                 .iter()
                 .for_each(|p| out((*p + self.base).xyz()));
