@@ -52,7 +52,8 @@ fn shapes(shared: &Path) -> Vec<Shape> {
             scheme: match columns[1] {
                 "catmull-clark" => Scheme::CatmullClark,
                 "bilinear" => Scheme::Bilinear,
-                _ => continue,
+                "loop" => Scheme::Loop,
+                other => panic!("scheme {other}"),
             },
             boundary: Some(match columns[2] {
                 "none" => Boundary::None,

@@ -27,9 +27,18 @@ pub(crate) enum Format {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Scheme {
-    /// Catmull-Clark for now
+    /// Loop where every face of the file is a triangle (refine, info), else Catmull-Clark
     Auto,
+    /// Any polygons
     CatmullClark,
+    /// Triangles
+    Loop,
+    /// Triangles; goes through the vertices
+    Butterfly,
+    /// Any polygons, made for quads; goes through the vertices
+    Kobbelt,
+    /// Any polygons; flat between their corners
+    Bilinear,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -109,7 +118,38 @@ pub(crate) struct ModelFlags {
     pub(crate) up_axis: UpAxis,
 }
 
+/// The name of a scheme on the command line.
+pub(crate) fn scheme_name(s: scheme::Scheme) -> &'static str {
+    match s {
+        scheme::Scheme::CatmullClark => "catmull-clark",
+        scheme::Scheme::Loop => "loop",
+        scheme::Scheme::Butterfly => "butterfly",
+        scheme::Scheme::Kobbelt => "kobbelt",
+        scheme::Scheme::Bilinear => "bilinear",
+        _ => "another scheme",
+    }
+}
+
 impl ModelFlags {
+    /// The scheme of the flag, unless that is `auto`.
+    pub(crate) fn named_scheme(&self) -> Option<scheme::Scheme> {
+        match self.scheme {
+            Scheme::Auto => None,
+            Scheme::CatmullClark => Some(scheme::Scheme::CatmullClark),
+            Scheme::Loop => Some(scheme::Scheme::Loop),
+            Scheme::Butterfly => Some(scheme::Scheme::Butterfly),
+            Scheme::Kobbelt => Some(scheme::Scheme::Kobbelt),
+            Scheme::Bilinear => Some(scheme::Scheme::Bilinear),
+        }
+    }
+    /// The scheme of the flag, else the one that suits the cage.
+    pub(crate) fn scheme_of(&self, cage: &Cage) -> scheme::Scheme {
+        let suitable = || match cage.face_count() > 0 && cage.first_polygon().is_none() {
+            true => scheme::Scheme::Loop,
+            false => scheme::Scheme::CatmullClark,
+        };
+        self.named_scheme().unwrap_or_else(suitable)
+    }
     pub(crate) fn surface(&self) -> SurfaceOptions {
         SurfaceOptions {
             creases: self.creases.map(|c| match c {
@@ -120,7 +160,7 @@ impl ModelFlags {
                 Triangles::Catmark => scheme::TriangleRule::Catmark,
                 Triangles::Smooth => scheme::TriangleRule::Smooth,
             }),
-            scheme: scheme::Scheme::default(),
+            scheme: self.named_scheme().unwrap_or_default(),
             boundary: self.boundary.map(|b| match b {
                 Boundary::None => scheme::Boundary::None,
                 Boundary::EdgeOnly => scheme::Boundary::EdgeOnly,

@@ -1,7 +1,7 @@
 //! `earmark info`: what a file holds, and what had to be assumed where it says nothing.
 
 use super::exit::Failure;
-use super::flags::{ModelFlags, RunningFlags};
+use super::flags::{ModelFlags, RunningFlags, scheme_name};
 use super::job::{Job, bounds, commit_all, print_text};
 use super::messages::warning;
 use super::render::stats_output;
@@ -57,7 +57,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         Some(stats) => Some(stats_output(stats, Path::new(""), &[path])?),
         None => None,
     };
-    let read = job.read_cage(path, &a.model)?;
+    let read = job.read_cage(path, &a.model, true)?;
     job.limits().check()?;
     let cage = &read.cage;
     let (topology, topology_warnings) = job.time("connect", |_| a.model.connect(cage));
@@ -150,7 +150,12 @@ fn rules(cage: &Cage, flags: &ModelFlags) -> Vec<Rule> {
         }
     };
     vec![
-        rule("scheme", None, None, "catmull-clark"),
+        rule(
+            "scheme",
+            flags.named_scheme().map(scheme_name),
+            None,
+            scheme_name(flags.scheme_of(cage)),
+        ),
         rule(
             "boundary",
             options.boundary.map(boundary_name),

@@ -1,7 +1,7 @@
 //! What every verb works with: limits, clocks, threads, the models it loads, and the outputs it stages.
 
 use super::exit::{Code, Failure};
-use super::flags::{ModelFlags, RunningFlags};
+use super::flags::{ModelFlags, RunningFlags, scheme_name};
 use super::messages::{note, warning};
 use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, reserved_bytes};
 use super::watch::{self, Phase};
@@ -115,6 +115,13 @@ impl Job {
         models: &[PathBuf],
         flags: &ModelFlags,
     ) -> Result<Scene, Failure> {
+        let scheme = flags.named_scheme().unwrap_or_default();
+        if scheme.is_triangular() || scheme.is_interpolating() {
+            return Err(Failure::usage(format!(
+                "--scheme {0}: not drawn yet; `earmark refine --scheme {0}` writes the mesh",
+                scheme_name(scheme)
+            )));
+        }
         watch::phase(Phase::Reading);
         let mut loader = Loader::new(LoadOptions {
             surface: flags.surface(),
@@ -133,9 +140,10 @@ impl Job {
             })?;
             self.limits().check()?;
             note(&format!(
-                "{name}: {} faces, {} vertices; scheme catmull-clark",
+                "{name}: {} faces, {} vertices; scheme {}",
                 cage.face_count(),
-                cage.points().len()
+                cage.points().len(),
+                scheme_name(scheme)
             ));
             if let Some(left) = self.memory_left() {
                 loader.options_mut().max_surface = left;
@@ -151,11 +159,13 @@ impl Job {
         Ok(scene)
     }
 
-    /// Reads one model as it stands, with all that the reader has to say.
+    /// Reads one model as it stands, with all that the reader has to say. A scheme of the flags that takes triangles only wants to find
+    /// nothing else, unless `any_faces`.
     pub(crate) fn read_cage(
         &mut self,
         model: &Path,
         flags: &ModelFlags,
+        any_faces: bool,
     ) -> Result<obj::Read, Failure> {
         watch::phase(Phase::Reading);
         self.time("read", |job| {
@@ -167,7 +177,26 @@ impl Job {
             if let Some(left) = job.memory_left() {
                 options.max_bytes = left;
             }
-            Ok(obj::read(&bytes, &name, resolver.as_mut(), &options)?)
+            let read = obj::read(&bytes, &name, resolver.as_mut(), &options)?;
+            let triangular = flags.named_scheme().filter(|s| s.is_triangular());
+            match (triangular, read.cage.first_polygon()) {
+                (Some(scheme), Some(f)) if !any_faces => {
+                    let place = match obj::line_of_face(&bytes, &read.report, f) {
+                        Some(line) => format!("{name}:{line}: this face"),
+                        None => format!("{name}: face {f} (0-based)"),
+                    };
+                    Err(Failure::new(
+                        Code::Data,
+                        format!(
+                            "{place} has {} corners, and --scheme {} takes triangles only; refine --triangulate makes triangles of \
+                             all faces",
+                            read.cage.face(f as usize).len(),
+                            scheme_name(scheme)
+                        ),
+                    ))
+                }
+                _ => Ok(read),
+            }
         })
     }
 

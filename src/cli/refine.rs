@@ -1,7 +1,7 @@
 //! `earmark refine`: the refined mesh as a file.
 
 use super::exit::{Code, Failure};
-use super::flags::{ModelFlags, RunningFlags};
+use super::flags::{ModelFlags, RunningFlags, scheme_name};
 use super::job::{Job, Output, Staged, commit_all, model_names};
 use super::messages::{note, warning};
 use super::render::{input_paths, stats_output};
@@ -11,7 +11,9 @@ use clap::Args;
 use earmark::files;
 use earmark::mesh::NONE;
 use earmark::mesh::write::{self, MeshTags, PlyFormat, WriteOptions};
-use earmark::refine::{Level, Limit, Options, RefineError, Timings, counts, limit, stencils};
+use earmark::refine::{
+    Level, Limit, Options, RefineError, Timings, counts, has_semi_sharp, limit, stencils,
+};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -29,7 +31,8 @@ pub(crate) struct Arguments {
     /// Write limit positions and unit limit normals in place of control points
     #[arg(long)]
     pub(crate) limit: bool,
-    /// Split quads in two triangles
+    /// Write triangles; for --scheme loop and butterfly, make triangles of the model's faces before refinement: quads along their shorter
+    /// diagonal, others as fans. Tags and texture coordinates are kept
     #[arg(long)]
     pub(crate) triangulate: bool,
     /// Also write the stencils: for every point of the mesh the weights of the cage's points, with --limit also those of two tangents.
@@ -56,6 +59,7 @@ impl From<RefineError> for Failure {
     fn from(e: RefineError) -> Self {
         let code = match e {
             RefineError::WrongCount { .. } => Code::Internal,
+            RefineError::NotTriangle { .. } => Code::Data,
             _ => Code::Limit,
         };
         Self::new(code, format!("earmark: {e}"))
@@ -75,21 +79,34 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         Some(stencils) => Some(stencils_output(stencils, a, &inputs)?),
         None => None,
     };
-    let read = job.read_cage(path, &a.model)?;
+    let mut read = job.read_cage(path, &a.model, a.triangulate)?;
     for w in &read.warnings {
         warning(&w.to_string());
+    }
+    let scheme = a.model.scheme_of(&read.cage);
+    // Schemes on triangles get them before refinement, the others' faces are split as they are written.
+    if scheme.is_triangular() && read.cage.first_polygon().is_some() {
+        read.cage = read.cage.triangulated();
     }
     let cage = &read.cage;
     let (topology, warnings) = job.time("connect", |_| a.model.connect(cage));
     for w in &warnings {
         warning(&format!("{}: {w}", path.display()));
     }
+    if scheme.is_interpolating() && has_semi_sharp(&topology) {
+        let name = scheme_name(scheme);
+        warning(&format!(
+            "{}: semi-sharp creases and corners mean nothing to --scheme {name}, and are ignored",
+            path.display()
+        ));
+    }
     let tags = cage.tags();
+    let flags = a.model.surface();
     let rule = a.model.face_varying(cage);
     let options = Options {
-        creases: tags.crease_method.unwrap_or_default(),
-        triangles: tags.triangles.unwrap_or_default(),
-        ..Options::default()
+        scheme,
+        creases: flags.creases.or(tags.crease_method).unwrap_or_default(),
+        triangles: flags.triangles.or(tags.triangles).unwrap_or_default(),
     };
     let base = job.time("connect", |_| {
         Level::<f32>::of_cage(cage, topology, options.scheme, rule)
@@ -136,7 +153,8 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     })?;
     let faces = level.topology.face_count();
     note(&format!(
-        "{faces} faces, {} vertices, {:.0} ms",
+        "scheme {}: {faces} faces, {} vertices, {:.0} ms",
+        scheme_name(scheme),
         level.points.len(),
         job.start.elapsed().as_secs_f64() * 1e3
     ));

@@ -7,6 +7,7 @@ mod color;
 mod mtl;
 pub mod obj;
 pub mod resolver;
+mod triangulate;
 pub mod write;
 
 pub use builder::CageBuilder;

@@ -5,8 +5,8 @@
 //!
 //! Every sum is ordered by place relative to the edge or face, never by number: pairs that lie alike on both sides are added first, and
 //! rings are run through counter-clockwise from the edge. So an edge has the same bits seen from either end, and in every part of the mesh
-//! that holds its two rings. Where the two sides of a cut edge could differ, the side on which it runs from the lower vertex number to the
-//! higher one counts: parts must keep the order of vertices.
+//! that holds its two rings. Numbers count in one place only: where the two sides of a cut edge could differ, that of the lower face is
+//! taken. Parts that keep the order of faces (and where each face begins) keep it on all levels.
 
 use super::face_varying::{Sibling, SiblingKind};
 use super::real::{Real, add, add_scaled, midpoint, scaled};
@@ -163,14 +163,9 @@ impl<'a, T: Real, R: Real, const N: usize> Sheets<'a, T, R, N> {
         cuts + usize::from(!t.fans[v as usize].closed) == 2
     }
 
-    /// The side of edge `e` that speaks for both.
+    /// The half-edge that speaks for edge `e`: the one of lower number, which only matters where the sides of a cut differ.
     pub(crate) fn side(&self, e: u32) -> u32 {
-        let t = self.step.topology;
-        let h = t.edge_half(e);
-        match t.twin(h) {
-            g if g != NONE && t.vertex(h) > t.vertex(t.next(h)) => g,
-            _ => h,
-        }
+        self.step.topology.edge_half(e)
     }
 
     /// The point of the edge of `h`.

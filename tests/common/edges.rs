@@ -27,6 +27,7 @@ type Bits = [u32; 9];
 fn side_bits(
     grid: &DicedQuad,
     c: usize,
+    triangle: bool,
     view: &View,
     scratch: &mut (Box<Grid3>, Box<ProjectedBlock>),
 ) -> Vec<Bits> {
@@ -34,6 +35,8 @@ fn side_bits(
     let place = |k: usize| match c {
         0 => k,
         1 => k * (n + 1) + n,
+        // The third side of a triangle is the diagonal.
+        2 if triangle => (n - k) * (n + 2),
         2 => n * (n + 1) + n - k,
         _ => (n - k) * (n + 1),
     };
@@ -82,13 +85,12 @@ pub fn compare(surface: &Surface, view: &View, level: u32, fault: DiceFault) -> 
     let (mut differ, mut compared) = (0, 0);
     for q in 0..t.face_count() as u32 {
         let grid = surface.dice_with(q, level, fault);
-        for c in 0..4 {
-            let h = 4 * q + c;
+        for (c, h) in t.face_halves(q).enumerate() {
             let twin = t.twin(h);
             if twin == NONE {
                 continue;
             }
-            let mut bits = side_bits(&grid, c as usize, view, &mut scratch);
+            let mut bits = side_bits(&grid, c, surface.is_triangular(), view, &mut scratch);
             match waiting[twin as usize].take() {
                 None => waiting[h as usize] = Some(bits),
                 Some(other) => {

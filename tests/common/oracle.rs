@@ -74,6 +74,9 @@ pub fn angle(a: [f32; 3], b: [f64; 3]) -> f64 {
 
 /// Corner number of the level's mesh at every point of quad `q`'s grid, row by row.
 fn grid_corners(surface: &Surface, q: u32, quad_level: u32) -> Vec<u32> {
+    if surface.is_triangular() {
+        return triangle_corners(q, quad_level);
+    }
     let n = 1_i32 << quad_level;
     let mut grid = vec![u32::MAX; ((n + 1) * (n + 1)) as usize];
     // Faces are numbered by the corners of the level above; a quad's child has the parent's corner at the parent's position.
@@ -107,6 +110,35 @@ fn grid_corners(surface: &Surface, q: u32, quad_level: u32) -> Vec<u32> {
     grid
 }
 
+/// The same for a triangle, which fills the half of its grid where the row is at most the column; `u32::MAX` elsewhere.
+fn triangle_corners(face: u32, level: u32) -> Vec<u32> {
+    let n = 1_i32 << level;
+    let mut grid = vec![u32::MAX; ((n + 1) * (n + 1)) as usize];
+    let mut stack = vec![(0, face, [[0, 0], [n, 0], [n, n]])];
+    while let Some((depth, face, p)) = stack.pop() {
+        if depth == level {
+            for c in 0..3 {
+                grid[(p[c][1] * (n + 1) + p[c][0]) as usize] = 3 * face + c as u32;
+            }
+            continue;
+        }
+        let mid = |a: usize, b: usize| [0, 1].map(|k| (p[a][k] + p[b][k]) / 2);
+        let e = [mid(0, 1), mid(1, 2), mid(2, 0)];
+        let children = [
+            [p[0], e[0], e[2]],
+            [e[0], p[1], e[1]],
+            [e[2], e[1], p[2]],
+            [e[1], e[2], e[0]],
+        ];
+        stack.extend(
+            (0..)
+                .zip(children)
+                .map(|(c, p)| (depth + 1, 4 * face + c, p)),
+        );
+    }
+    grid
+}
+
 /// Degrees by which a normal may turn because the points around it are rounded to single precision: a few units in the last place of the
 /// coordinates, seen over the shortest edge of the grid there.
 fn rounding(grid: &earmark::surface::DicedQuad, k: usize) -> f64 {
@@ -128,6 +160,7 @@ fn rounding(grid: &earmark::surface::DicedQuad, k: usize) -> f64 {
     let p = grid.points[k];
     let shortest = (neighbours.iter())
         .map(|&m| distance(grid.points[m], p.map(f64::from)))
+        .filter(|&d| d > 0.0)
         .fold(f64::INFINITY, f64::min);
     let largest = p.iter().fold(0.0_f64, |m, c| m.max(f64::from(c.abs())));
     (4.0 * f64::from(f32::EPSILON) * largest / shortest).to_degrees()
@@ -153,6 +186,7 @@ pub fn compare(surface: &Surface, level: u32) -> Worst {
         for (k, h) in grid_corners(surface, q as u32, quad_level)
             .into_iter()
             .enumerate()
+            .filter(|(_, h)| *h != u32::MAX)
         {
             let v = t.vertex(h) as usize;
             worst.point = worst

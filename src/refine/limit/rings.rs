@@ -325,44 +325,26 @@ fn across(k: u32, quads: bool) -> Vec<f64> {
         mask[p] = w;
         mask[layout.mirror(p)] = w;
     }
-    // Into the surface: a half-disc of unit spokes is mapped to its inside.
-    let edges = layout.edges;
-    let height: f64 = (1..edges - 1)
-        .map(|i| mask[i] * libm::sin(PI * i as f64 / f64::from(k)))
-        .sum::<f64>()
-        + (0..edges)
-            .map(|i| {
-                let p = layout.straight(i);
-                2.0 * mask[p] * libm::sin(PI * i as f64 / f64::from(k))
-            })
-            .sum::<f64>()
-        + if quads {
-            let at = |kind: usize, i: usize, u: f64, v: f64| {
-                let (a, b) = (
-                    PI * i as f64 / f64::from(k),
-                    PI * (i + 1) as f64 / f64::from(k),
-                );
-                mask[layout.corner(kind, i)] * (u * libm::sin(a) + v * libm::sin(b))
-            };
-            (0..layout.k)
-                .map(|i| {
-                    at(0, i, 1.0, 1.0)
-                        + at(1, i, 2.0, 1.0)
-                        + at(2, i, 1.0, 2.0)
-                        + at(3, i, 2.0, 2.0)
-                })
-                .sum::<f64>()
+    // It shall point into the surface: so it does where the ring lies flat, as regular as it goes, about the middle direction.
+    let step = (if quads { PI / 2.0 } else { PI / 3.0 }).min(PI / f64::from(k));
+    let inward = |turns: f64| libm::cos((turns - 0.5 * f64::from(k)) * step);
+    let depth = |i: usize, u: f64, v: f64| u * inward(i as f64) + v * inward(i as f64 + 1.0);
+    let mut height = 0.0;
+    for i in 0..layout.edges {
+        height += (mask[i] + 2.0 * mask[layout.straight(i)]) * inward(i as f64);
+    }
+    for i in 0..layout.k {
+        if quads {
+            for (kind, (u, v)) in [(1.0, 1.0), (2.0, 1.0), (1.0, 2.0), (2.0, 2.0)]
+                .into_iter()
+                .enumerate()
+            {
+                height += mask[layout.corner(kind, i)] * depth(i, u, v);
+            }
         } else {
-            (0..layout.k)
-                .map(|i| {
-                    let (a, b) = (
-                        PI * i as f64 / f64::from(k),
-                        PI * (i + 1) as f64 / f64::from(k),
-                    );
-                    mask[layout.side(i)] * (libm::sin(a) + libm::sin(b))
-                })
-                .sum::<f64>()
-        };
+            height += mask[layout.side(i)] * depth(i, 1.0, 1.0);
+        }
+    }
     if height < 0.0 {
         mask.iter_mut().for_each(|w| *w = -*w);
     }
