@@ -136,7 +136,7 @@ fn shapes_agree_with_whole_mesh_refinement_and_share_their_edges() {
         shapes.len()
     );
     assert!(bad.is_empty(), "{}", bad.join("\n"));
-    assert_eq!(shapes.len(), 77);
+    assert_eq!(shapes.len(), 104);
 }
 
 /// Numbers of the lines that begin with `key`.

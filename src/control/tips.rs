@@ -7,6 +7,7 @@ use super::ChannelMesh;
 use super::cut::VertexRules;
 use crate::refine::{Level, Options, Timings, limit};
 use crate::topology::{FanRule, NONE};
+use std::collections::BTreeMap;
 
 /// Steps after which a ring has shrunk below the last bit of its vertex.
 const STEPS: u32 = 24;
@@ -44,6 +45,8 @@ pub(super) fn set_feature_limits(
     let part = level.part(&faces).level;
     let limits = limit(&part, options);
     let t = &level.topology;
+    // Normals of all corners of each fan, in the order of the corners.
+    let mut normals: BTreeMap<u32, Vec<[f64; 3]>> = BTreeMap::new();
     for (i, &(f, _)) in faces.iter().enumerate() {
         let halves = t.face_halves(f);
         let first = part.topology.face_halves(i as u32).start;
@@ -53,17 +56,26 @@ pub(super) fn set_feature_limits(
                 continue;
             }
             let local = first + (h - halves.start);
-            let fan = points.topology.fan(h) as usize;
-            let info = points.topology.fans()[fan];
-            if info.closed && info.rule == FanRule::Corner && !rules.features[v as usize] {
-                // The tip of a cone: as many normals as faces. Its fan's own normal is their mean, which both faces at an edge share.
-                continue;
-            }
-            points.fans.limits_mut()[fan] =
-                limits.positions[part.topology.vertex(local) as usize].map(|c| c as f32);
-            points.fans.normals_mut()[fan] = limits.normals
-                [limits.normal_index(&part.topology, local) as usize]
-                .map(|c| c as f32);
+            let fan = points.topology.fan(h);
+            let position = limits.positions[part.topology.vertex(local) as usize];
+            points.fans.limits_mut()[fan as usize] = position.map(|c| c as f32);
+            let normal = limits.normals[limits.normal_index(&part.topology, local) as usize];
+            normals.entry(fan).or_default().push(normal);
+        }
+    }
+    // A sharp point without creases through it is the tip of a cone and has as many normals as faces; the faces of a fan share their mean.
+    for (fan, all) in normals {
+        let first = all[0];
+        if all.iter().all(|n| *n == first) {
+            points.fans.normals_mut()[fan as usize] = first.map(|c| c as f32);
+            continue;
+        }
+        let sum = all
+            .iter()
+            .fold([0.0; 3], |s: [f64; 3], n| [0, 1, 2].map(|k| s[k] + n[k]));
+        let length = sum.iter().map(|c| c * c).sum::<f64>().sqrt();
+        if length > 1e-6 {
+            points.fans.normals_mut()[fan as usize] = sum.map(|c| (c / length) as f32);
         }
     }
 }

@@ -252,10 +252,7 @@ fn fan_ring<T: Real, const N: usize>(
             );
         }
     }
-    if triangles {
-        return;
-    }
-    for h in Ring::of_fan(t, fan) {
+    for h in Ring::of_fan(t, fan).filter(|_| !triangles) {
         ring.faces.push(if here {
             wide(*at(t.next(t.next(h))))
         } else {

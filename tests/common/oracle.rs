@@ -73,7 +73,7 @@ pub fn angle(a: [f32; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Corner number of the level's mesh at every point of quad `q`'s grid, row by row.
-fn grid_corners(surface: &Surface, q: u32, quad_level: u32) -> Vec<u32> {
+pub fn grid_corners(surface: &Surface, q: u32, quad_level: u32) -> Vec<u32> {
     if surface.is_triangular() {
         return triangle_corners(q, quad_level);
     }

@@ -352,9 +352,6 @@ impl TrianglePatch {
                 normals.as_deref_mut()
             )
         );
-        if self.wanted > Sides::None && self.level > 0 {
-            self.dice_sides(start, m, points, normals.as_deref_mut());
-        }
         for dot in &self.dots {
             let [i, j] = [0, 1].map(|k| dot.place[k] - start[k]);
             if (0..=m).contains(&i) && (0..=m).contains(&j) {
@@ -363,6 +360,10 @@ impl TrianglePatch {
                     normals.set(i as usize, j as usize, dot.normal);
                 }
             }
+        }
+        // Last, so that nothing but the edges' own rules shows on the sides.
+        if self.wanted > Sides::None && self.level > 0 {
+            self.dice_sides(start, m, points, normals.as_deref_mut());
         }
         if bu == bv {
             fold(points, m as usize);
