@@ -45,9 +45,13 @@ impl RandomCage {
     /// The rules as flags of the reference program.
     pub fn flags(&self) -> Vec<&'static str> {
         let [fvar, boundary, creases, triangles] = self.rules;
+        let scheme = match self.case.options.scheme {
+            Scheme::Loop => "loop",
+            _ => "catmull-clark",
+        };
         vec![
             "-scheme",
-            "catmull-clark",
+            scheme,
             "-fvar",
             fvar,
             "-boundary",
@@ -177,8 +181,17 @@ fn sharpen(r: &mut Random, shape: &mut Shape, edges: &[(u32, u32)], neighbours: 
     }
 }
 
-/// Cage number `index`.
+/// Cage number `index`, for Catmull-Clark.
 pub fn random_cage(index: u64) -> RandomCage {
+    make(index, Scheme::CatmullClark)
+}
+
+/// Cage number `index` in triangles, for Loop; valences are up to 24.
+pub fn random_triangles(index: u64) -> RandomCage {
+    make(index, Scheme::Loop)
+}
+
+fn make(index: u64, scheme: Scheme) -> RandomCage {
     let r = &mut Random(index.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x5eed);
     let mut mesh = Mesh::start(r);
     for _ in 0..r.below(25) {
@@ -189,6 +202,9 @@ pub fn random_cage(index: u64) -> RandomCage {
         }
     }
     assert!(is_manifold(&mesh.faces), "cage {index}");
+    if scheme.is_triangular() {
+        mesh.triangulate();
+    }
     mesh.compact();
     for p in &mut mesh.points {
         *p = p.map(|c| (c * 1024.0).round() / 1024.0 + 0.25 * r.noise());
@@ -225,11 +241,11 @@ pub fn random_cage(index: u64) -> RandomCage {
     ];
     let case = Case {
         name: format!("random{index}"),
-        scheme: "catmull-clark".into(),
+        scheme: format!("{scheme:?}"),
         boundary: boundary(rules[1]),
         fvar: fvar_rule(rules[0]),
         options: Options {
-            scheme: Scheme::CatmullClark,
+            scheme,
             creases: crease_method(rules[2]),
             triangles: triangle_rule(rules[3]),
         },

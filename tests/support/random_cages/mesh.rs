@@ -262,6 +262,13 @@ impl Mesh {
         }
     }
 
+    /// Puts a vertex amid every face with more than 3 corners.
+    pub fn triangulate(&mut self) {
+        while let Some(f) = self.faces.iter().position(|f| f.len() > 3) {
+            self.fan(f);
+        }
+    }
+
     /// Drops unused vertices.
     pub fn compact(&mut self) {
         let mut new = vec![None; self.points.len()];
