@@ -20,9 +20,14 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &["math", "simd", "records", "scheme", "topology", "dispatch"],
     ),
     (
+        "control",
+        &["simd", "records", "scheme", "topology", "refine", "dice"],
+    ),
+    (
         "surface",
         &[
-            "math", "simd", "records", "scheme", "topology", "mesh", "dice", "Cage", "Surface",
+            "math", "simd", "records", "scheme", "topology", "mesh", "refine", "dice", "control",
+            "Cage", "Surface",
         ],
     ),
     (

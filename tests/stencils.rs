@@ -5,7 +5,7 @@ mod support;
 
 use earmark::refine::{Level, Options, RefineError, Stencils, Timings, limit, refine, stencils};
 use earmark::scheme::{Boundary, Scheme};
-use support::random_cages::random_cage;
+use support::random_cages::{random_cage, random_triangles};
 use support::{Shape, cube, distance, star};
 
 fn narrow(points: &[[f64; 3]]) -> Vec<[f32; 3]> {
@@ -54,6 +54,10 @@ fn compare(shape: &Shape, boundary: Boundary, options: &Options, levels: u32) ->
     check_rows(&baked);
     let of_limits = widest(&baked.points(&points).unwrap(), &limits.positions) / size;
 
+    if options.scheme.is_interpolating() {
+        assert!(baked.tangents.iter().all(Vec::is_empty));
+        return of_points.max(of_limits);
+    }
     // The first normal of a vertex is across its tangents, wherever they are not parallel.
     let [us, vs] = baked.tangents(&points).unwrap();
     let mut normals = 0;
@@ -105,6 +109,31 @@ fn stencils_times_cage_points_are_refined_points_and_limits() {
     }
     println!("48 cages, worst {worst:.2e}");
     assert!(worst > 0.0);
+}
+
+/// Loop and Butterfly on triangles, Kobbelt's rules on anything.
+#[test]
+fn schemes_of_other_masks() {
+    for index in 0..24 {
+        let (cage, triangles) = (random_cage(index), random_triangles(index));
+        let levels = 1 + (index % 3) as u32;
+        for (cage, scheme) in [
+            (&triangles, Scheme::Loop),
+            (&triangles, Scheme::Butterfly),
+            (&cage, Scheme::Kobbelt),
+        ] {
+            let options = Options {
+                scheme,
+                ..cage.case.options
+            };
+            let error = compare(&cage.shape, cage.case.boundary, &options, levels);
+            assert!(
+                error <= 2e-6,
+                "{scheme:?} {} level {levels}: {error:.2e}",
+                cage.case.name
+            );
+        }
+    }
 }
 
 #[test]

@@ -158,7 +158,8 @@ fn vertex_limit<T: Real>(
     }
 }
 
-/// Limits of values that go by the rules of points, and on demand two tangents each, those of the first sector.
+/// Limits of values that go by the rules of points, and on demand two tangents each, those of the first sector; interpolating schemes
+/// have none here.
 pub(super) fn values<T: Real>(
     step: &Step<'_>,
     tables: &Tables,
@@ -166,6 +167,9 @@ pub(super) fn values<T: Real>(
     tangents: bool,
 ) -> (Vec<[T; 3]>, [Vec<[T; 3]>; 2]) {
     let t = step.topology;
+    if step.options.scheme.is_interpolating() {
+        return (values.to_vec(), [Vec::new(), Vec::new()]);
+    }
     let all: Vec<[Point; 3]> = (0..values.len() as u32)
         .into_par_iter()
         .with_min_len(1 << 10)
@@ -252,7 +256,8 @@ fn fan_ring<T: Real, const N: usize>(
             );
         }
     }
-    for h in Ring::of_fan(t, fan).filter(|_| !triangles) {
+    let quads = Ring::of_fan(t, fan).take_while(|_| !triangles);
+    for h in quads {
         ring.faces.push(if here {
             wide(*at(t.next(t.next(h))))
         } else {

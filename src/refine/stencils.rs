@@ -101,7 +101,8 @@ const ENTRY_BYTES: u128 = 40;
 
 /// The stencils of all points of level `levels` over the points of level 0, or of their limits with two tangents.
 ///
-/// Rows are in the order of the level's points; `topology` is that of the cage. A vertex of no face is its own row.
+/// Rows are in the order of the level's points; `topology` is that of the cage. A vertex of no face is its own row. Interpolating schemes have
+/// their points for limits, and no tangents.
 ///
 /// # Errors
 /// [`RefineError`] when they do not fit `max_bytes` or 32-bit indices.
@@ -156,13 +157,10 @@ pub fn stencils(
     };
     let level = refine(base, options, levels, None, &mut Timings::default())?;
     let parts = level.channels.vertex[0].parts();
-    if !limit {
+    if !limit || options.scheme.is_interpolating() {
         return Ok(rows(&level, &support, parts, None));
     }
     let step = Step::new(&level.topology, options);
-    if options.scheme.is_interpolating() {
-        return Ok(rows(&level, &support, parts, None));
-    }
     let tables = Tables::new(options.scheme == Scheme::Loop);
     let mut positions = Vec::with_capacity(parts.len());
     let mut tangents = [Vec::new(), Vec::new()];

@@ -22,7 +22,7 @@ const MOST_STEPS: u32 = 16;
 impl<T: Real> FaceVarying<T> {
     /// The limit of every value.
     pub(in crate::refine) fn limit(&self, step: &Step<'_>, tables: &Tables) -> Vec<[T; 2]> {
-        if self.linear {
+        if self.is_linear() || step.options.scheme.is_interpolating() {
             return self.values.clone();
         }
         let t = step.topology;
