@@ -101,8 +101,16 @@ fn weight(k: usize) -> Poly {
 fn derivative(f: &Poly, [along_s, along_t]: [f64; 2]) -> Poly {
     std::array::from_fn(|p| {
         std::array::from_fn(|q| {
-            let s = if p < 4 { (p + 1) as f64 * f[p + 1][q] } else { 0.0 };
-            let t = if q < 4 { (q + 1) as f64 * f[p][q + 1] } else { 0.0 };
+            let s = if p < 4 {
+                (p + 1) as f64 * f[p + 1][q]
+            } else {
+                0.0
+            };
+            let t = if q < 4 {
+                (q + 1) as f64 * f[p][q + 1]
+            } else {
+                0.0
+            };
             along_s * s + along_t * t
         })
     })
@@ -149,9 +157,31 @@ pub(super) fn expansion(target: Target, level: u32) -> &'static Expansion {
         Target::Refined => (level as usize + 1, 1.0 / f64::from(1_u32 << level)),
     };
     TABLES[at].get_or_init(|| {
-        let columns: [[f64; 25]; 12] =
-            std::array::from_fn(|k| bernstein(&control(&weight(k), h)));
+        let columns: [[f64; 25]; 12] = std::array::from_fn(|k| bernstein(&control(&weight(k), h)));
         std::array::from_fn(|i| std::array::from_fn(|k| columns[k][i] as f32))
+    })
+}
+
+fn value(f: &Poly, [s, t]: [f64; 2]) -> f64 {
+    let row = |row: &[f64; 5]| row.iter().rev().fold(0.0, |sum, a| sum * t + a);
+    f.iter().rev().fold(0.0, |sum, a| sum * s + row(a))
+}
+
+/// Weights of the twelve control points at one place: for the point of `target` after `level` steps, and for the derivatives of the
+/// limit along s and t.
+pub(super) fn point_weights(target: Target, level: u32, at: [f64; 2]) -> [[f64; 3]; 12] {
+    std::array::from_fn(|k| {
+        let limit = weight(k);
+        let point = match target {
+            Target::Limit => limit,
+            Target::Refined => control(&limit, 1.0 / f64::from(1_u32 << level)),
+        };
+        let slope = |d| value(&derivative(&limit, d), at) / 24.0;
+        [
+            value(&point, at) / 24.0,
+            slope([1.0, 0.0]),
+            slope([0.0, 1.0]),
+        ]
     })
 }
 

@@ -338,9 +338,7 @@ fn evaluate(
         let turned = rule == FanRule::Corner && dot(normal, s.area) < 0.0;
         unit(if turned { normal.map(|c| -c) } else { normal })
     });
-    let normal = chosen
-        .or_else(|| unit(s.area))
-        .unwrap_or([0.0, 0.0, 1.0]);
+    let normal = chosen.or_else(|| unit(s.area)).unwrap_or([0.0, 0.0, 1.0]);
     (limit, normal.map(|c| c as f32))
 }
 
@@ -383,9 +381,15 @@ mod tests {
         let check = |closed: bool, n: usize, mask: Vec<f64>, lambda: f64, sum: f64| {
             let after = transposed(closed, n, &mask);
             for (a, m) in after.iter().zip(&mask) {
-                assert!((a - lambda * m).abs() < 1e-12, "{closed} {n}: {mask:?} {after:?}");
+                assert!(
+                    (a - lambda * m).abs() < 1e-12,
+                    "{closed} {n}: {mask:?} {after:?}"
+                );
             }
-            assert!((mask.iter().sum::<f64>() - sum).abs() < 1e-11, "{closed} {n}");
+            assert!(
+                (mask.iter().sum::<f64>() - sum).abs() < 1e-11,
+                "{closed} {n}"
+            );
         };
         for n in 2..=40_u32 {
             let theta = 2.0 * PI / f64::from(n);

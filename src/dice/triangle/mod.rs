@@ -14,10 +14,14 @@ mod patch;
 mod piece;
 mod ring;
 mod side;
+mod small;
 #[cfg(test)]
 mod tests;
 
-#[expect(unused_imports, reason = "for the surface, which does not use them yet")]
+#[expect(
+    unused_imports,
+    reason = "for the surface, which does not use them yet"
+)]
 pub(crate) use self::{
     fans::{TriangleFans, TriangleMasks},
     patch::{SidePlace, TriangleChannel, TrianglePatch},

@@ -7,6 +7,7 @@ use super::super::basis::Target;
 use super::super::point::P4;
 use super::super::regular::{LANES, LINE, Line, unit_cross, weigh3};
 use super::basis::{BEZIER, Bernstein, expansion};
+use super::small::{SMALL_LEVEL, Small};
 use crate::records::{BLOCK_STRIDE, Grid3};
 
 /// Twelve control points, in the order of [`OFFSETS`](super::basis::OFFSETS).
@@ -125,13 +126,7 @@ fn weigh5_one(w: &[Vec<f32>; 5], at: usize, n: usize, q: [f32; 5], out: &mut Lin
 
 /// A quartic along a line.
 #[inline(always)]
-pub(super) fn weigh5(
-    w: &[Vec<f32>; 5],
-    at: usize,
-    n: usize,
-    q: &[P4; 5],
-    out: &mut [Line; 3],
-) {
+pub(super) fn weigh5(w: &[Vec<f32>; 5], at: usize, n: usize, q: &[P4; 5], out: &mut [Line; 3]) {
     let [x, y, z] = out;
     weigh5_one(w, at, n, q.map(|p| p.0[0]), x);
     weigh5_one(w, at, n, q.map(|p| p.0[1]), y);
@@ -198,7 +193,10 @@ impl Piece {
         let [x0, y0] = self.origin();
         let (low, high) = (
             [range.low[0].max(x0), range.low[1].max(y0)],
-            [range.high[0].min(x0 + self.size), range.high[1].min(y0 + self.size)],
+            [
+                range.high[0].min(x0 + self.size),
+                range.high[1].min(y0 + self.size),
+            ],
         );
         // A triangle of an up piece needs column ≥ row, of a down piece row ≥ column.
         let apart = if self.down {
@@ -207,6 +205,10 @@ impl Piece {
             low[1] - y0 > high[0] - x0
         };
         if low[0] > high[0] || low[1] > high[1] || apart {
+            return;
+        }
+        if self.level <= SMALL_LEVEL {
+            self.dice_small(target, range, start, points, normals);
             return;
         }
         let limit = expand(&self.net, expansion(Target::Limit, 0));
@@ -227,6 +229,47 @@ impl Piece {
         self.dice_points(net, &rows, points);
         if let Some(normals) = normals {
             self.dice_normals(&limit, &rows, normals);
+        }
+    }
+
+    #[inline(always)]
+    fn dice_small(
+        &self,
+        target: Target,
+        range: Range,
+        start: [i32; 2],
+        points: &mut Grid3,
+        normals: Option<&mut Grid3>,
+    ) {
+        let small = Small::get(target, self.level);
+        let mut line = [[0.0; LINE]; 3];
+        small.points(&self.net, &mut line);
+        let base = self.base.xyz();
+        self.scatter(small, &line, base, range, start, points);
+        if let Some(normals) = normals {
+            small.normals(&self.net, fallback(&self.net), &mut line);
+            self.scatter(small, &line, [0.0; 3], range, start, normals);
+        }
+    }
+
+    /// Writes the lanes of a small piece to their places, if these are in `range`.
+    #[inline(always)]
+    fn scatter(
+        &self,
+        small: &Small,
+        line: &[Line; 3],
+        base: [f32; 3],
+        range: Range,
+        start: [i32; 2],
+        out: &mut Grid3,
+    ) {
+        let sign = if self.down { -1 } else { 1 };
+        for (k, place) in small.places.iter().enumerate().take(LANES) {
+            let at = [0, 1].map(|c| self.corner[c] + sign * place[c]);
+            if (0..2).all(|c| (range.low[c]..=range.high[c]).contains(&at[c])) {
+                let [i, j] = [0, 1].map(|c| (at[c] - start[c]) as usize);
+                out.set(i, j, [0, 1, 2].map(|c| base[c] + line[c][k]));
+            }
         }
     }
 
@@ -252,15 +295,23 @@ impl Piece {
         let b = Bernstein::get(self.level);
         let spare = fallback(&self.net);
         let along: [[P4; 4]; 5] = std::array::from_fn(|r| differences(&net[r]));
-        let across: [[P4; 4]; 4] = std::array::from_fn(|r| {
-            reduced(std::array::from_fn(|c| net[r + 1][c] - net[r][c]))
-        });
+        let across: [[P4; 4]; 4] =
+            std::array::from_fn(|r| reduced(std::array::from_fn(|c| net[r + 1][c] - net[r][c])));
         let (mut du, mut dv, mut unit) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3], [[0.0; LINE]; 3]);
         self.each_row(rows, |j, first, n, to| {
             let w5 = [0, 1, 2, 3, 4].map(|k| b.quartic[k][j]);
             let w4 = [0, 1, 2, 3].map(|k| b.cubic[k][j]);
             let mut u: [P4; 4] = std::array::from_fn(|c| {
-                blend5(w5, [along[0][c], along[1][c], along[2][c], along[3][c], along[4][c]])
+                blend5(
+                    w5,
+                    [
+                        along[0][c],
+                        along[1][c],
+                        along[2][c],
+                        along[3][c],
+                        along[4][c],
+                    ],
+                )
             });
             let mut v: [P4; 4] = std::array::from_fn(|c| {
                 blend4(w4, [across[0][c], across[1][c], across[2][c], across[3][c]])
@@ -290,8 +341,14 @@ impl Piece {
             };
             let (left, right) = (left.max(rows.low[0]), right.min(rows.high[0]));
             if left <= right {
-                let to = (y - rows.start[1]) as usize * BLOCK_STRIDE + (left - rows.start[0]) as usize;
-                f(j as usize, (left - x0) as usize, (right - left + 1) as usize, to);
+                let to =
+                    (y - rows.start[1]) as usize * BLOCK_STRIDE + (left - rows.start[0]) as usize;
+                f(
+                    j as usize,
+                    (left - x0) as usize,
+                    (right - left + 1) as usize,
+                    to,
+                );
             }
         }
     }
@@ -334,7 +391,13 @@ impl Piece {
         let net = expand(&self.net, expansion(Target::Limit, 0));
         let along: Tensor = std::array::from_fn(|r| restricted(net[r], s));
         for c in 0..5 {
-            let column = [along[0][c], along[1][c], along[2][c], along[3][c], along[4][c]];
+            let column = [
+                along[0][c],
+                along[1][c],
+                along[2][c],
+                along[3][c],
+                along[4][c],
+            ];
             restricted(column, t)
                 .iter()
                 .for_each(|p| out((*p + self.base).xyz()));

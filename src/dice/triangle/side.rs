@@ -142,14 +142,7 @@ pub(super) fn irregular_half(
         let (m, e) = (ring.e(s), around(ring, far));
         let edge = |k: usize| edge_point(m, e[k], e[(k + 5) % 6], e[(k + 1) % 6]);
         let (centre, left, right) = (vertex_point(m, e), edge(2), edge(4));
-        let ring = [
-            centre,
-            left,
-            next.e(s + 1),
-            next.v,
-            next.e(s - 1),
-            right,
-        ];
+        let ring = [centre, left, next.e(s + 1), next.v, next.e(s - 1), right];
         let to = Samples {
             level: half.level - depth - 1,
             at: half.at + half.step * (1_i64 << (half.level - depth - 1)),
@@ -169,7 +162,14 @@ pub(super) fn irregular_half(
         let strip = Strip::new(ring.e(s), around(ring, far), [P4::ZERO; 3], base);
         let mut one = EdgeSamples::default();
         one.resize(1);
-        strip.sample(Samples { at: 0, step: 1, ..to }, &mut one);
+        strip.sample(
+            Samples {
+                at: 0,
+                step: 1,
+                ..to
+            },
+            &mut one,
+        );
         let middle = to.at as usize;
         for c in 0..3 {
             out.points[c][middle] = one.points[c][0];

@@ -1,7 +1,7 @@
 //! Diced triangles against plain refinement of whole meshes in f64, on small meshes with every kind of corner.
 
-use super::super::face::{DiceFault, FacePatch, Sides};
 use super::super::Target;
+use super::super::face::{DiceFault, FacePatch, Sides};
 use super::fans::{TriangleFans, TriangleMasks, beta};
 use super::patch::{TriangleChannel, TrianglePatch};
 use crate::records::Grid3;
@@ -54,7 +54,12 @@ fn field(n: u32, seed: u32, boundary: Boundary, cut: impl Fn(u32, u32) -> bool) 
             let r = (dice.roll() * 1.5 + 1.5) as usize % 3;
             [f[r], f[(r + 1) % 3], f[(r + 2) % 3]]
         };
-        let both = [turn([a, b, c]), turn([a, c, d]), turn([a, b, d]), turn([b, c, d])];
+        let both = [
+            turn([a, b, c]),
+            turn([a, c, d]),
+            turn([a, b, d]),
+            turn([b, c, d]),
+        ];
         let first = if dice.roll() < 0.3 { 2 } else { 0 };
         faces.extend([both[first], both[first + 1]]);
     }
@@ -94,7 +99,11 @@ fn creased(mut mesh: Mesh, on: impl Fn([f32; 3], [f32; 3]) -> bool) -> Mesh {
         let ring: Vec<u32> = Ring::from_half(t, first).collect();
         let whole = old[t.fan(h) as usize];
         let fan = Fan {
-            first: if closed { *ring.iter().min().unwrap() } else { first },
+            first: if closed {
+                *ring.iter().min().unwrap()
+            } else {
+                first
+            },
             faces: ring.len() as u32,
             closed,
             rule: match (whole.faces == ring.len() as u32, whole.rule) {
@@ -142,7 +151,10 @@ fn torus(n: u32, m: u32) -> Mesh {
     let tau = 2.0 * std::f32::consts::PI;
     let mut points = Vec::new();
     for k in 0..n * m {
-        let (a, b) = (tau * (k % n) as f32 / n as f32, tau * (k / n) as f32 / m as f32);
+        let (a, b) = (
+            tau * (k % n) as f32 / n as f32,
+            tau * (k / n) as f32 / m as f32,
+        );
         let r = 2.0 + 0.7 * b.cos();
         points.push([r * a.cos(), r * a.sin(), 0.7 * b.sin()]);
     }
@@ -185,7 +197,9 @@ fn icosahedron() -> Mesh {
         }
     }
     let near = |a: usize, b: usize| {
-        let d: f32 = (0..3).map(|c| (points[a][c] - points[b][c] as f32).powi(2)).sum();
+        let d: f32 = (0..3)
+            .map(|c| (points[a][c] - points[b][c] as f32).powi(2))
+            .sum();
         d < 4.1
     };
     let mut faces = Vec::new();
@@ -239,8 +253,8 @@ fn all_meshes() -> Vec<(String, Mesh)> {
             format!("holed {boundary:?}"),
             field(5, 8, boundary, |x, y| x == 2 && y == 2),
         ));
-        let straight = |k: usize, at: f32| move |a: [f32; 3], b: [f32; 3]| {
-            (a[k] - at).abs() < 0.3 && (b[k] - at).abs() < 0.3
+        let straight = |k: usize, at: f32| {
+            move |a: [f32; 3], b: [f32; 3]| (a[k] - at).abs() < 0.3 && (b[k] - at).abs() < 0.3
         };
         let sheet = field(6, 9, boundary, |_, _| false);
         out.push((
@@ -292,7 +306,10 @@ fn refine_once(t: &Topology, points: &[V3]) -> (Topology, Vec<V3>) {
             out.push(v);
             continue;
         }
-        let ring: Vec<V3> = ring(t, id as u32).iter().map(|&f| points[f as usize]).collect();
+        let ring: Vec<V3> = ring(t, id as u32)
+            .iter()
+            .map(|&f| points[f as usize])
+            .collect();
         let n = ring.len() as f64;
         out.push(if fan.closed {
             let c = 0.375 + 0.25 * (2.0 * std::f64::consts::PI / n).cos();
@@ -365,7 +382,11 @@ fn refine_once(t: &Topology, points: &[V3]) -> (Topology, Vec<V3>) {
             first: child(h, true),
             faces: if closed { 6 } else { 3 },
             closed,
-            rule: if closed { FanRule::Smooth } else { FanRule::Crease },
+            rule: if closed {
+                FanRule::Smooth
+            } else {
+                FanRule::Crease
+            },
         });
     }
     (s, out)
@@ -389,7 +410,11 @@ fn limit(t: &Topology, points: &[V3], id: u32) -> (V3, Option<V3>) {
             terms.extend(e.iter().map(|&p| (w, p)));
             let wave = |f: fn(f64) -> f64| {
                 let angle = |i: usize| 2.0 * std::f64::consts::PI * i as f64 / n;
-                let terms: Vec<_> = e.iter().enumerate().map(|(i, &p)| (f(angle(i)), p)).collect();
+                let terms: Vec<_> = e
+                    .iter()
+                    .enumerate()
+                    .map(|(i, &p)| (f(angle(i)), p))
+                    .collect();
                 mix(&terms)
             };
             (mix(&terms), Some([wave(f64::cos), wave(f64::sin)]))
@@ -400,7 +425,13 @@ fn limit(t: &Topology, points: &[V3], id: u32) -> (V3, Option<V3>) {
             let across = match k {
                 1 => Some(mix(&[(1.0, a), (1.0, b), (-2.0, v)])),
                 2 => Some(mix(&[(1.0, e[1]), (-1.0, v)])),
-                3 => Some(mix(&[(1.0, e[1]), (1.0, e[2]), (-1.0, v), (-0.5, a), (-0.5, b)])),
+                3 => Some(mix(&[
+                    (1.0, e[1]),
+                    (1.0, e[2]),
+                    (-1.0, v),
+                    (-0.5, a),
+                    (-0.5, b),
+                ])),
                 _ => None,
             };
             (point, across.map(|across| [along, across]))
@@ -429,7 +460,12 @@ fn grid_vertices(levels: &[Topology], face: u32) -> Vec<u32> {
         }
         let mid = |a: [i32; 2], b: [i32; 2]| [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
         let e = [0, 1, 2].map(|c| mid(p[c], p[(c + 1) % 3]));
-        let children = [[p[0], e[0], e[2]], [e[0], p[1], e[1]], [e[2], e[1], p[2]], [e[1], e[2], e[0]]];
+        let children = [
+            [p[0], e[0], e[2]],
+            [e[0], p[1], e[1]],
+            [e[2], e[1], p[2]],
+            [e[1], e[2], e[0]],
+        ];
         for (k, child) in children.into_iter().enumerate() {
             stack.push((depth + 1, 4 * f + k as u32, child));
         }
@@ -463,7 +499,10 @@ fn diced(mesh: &Mesh, target: Target, level: u32, fault: DiceFault) -> Vec<Vec<S
             patch.hull(|p| hull.push(p));
             for range in [box_of(&hull), box_of(&shallow)] {
                 for &(p, _) in out.iter().filter(|s| !s.0[0].is_nan()) {
-                    assert!((0..3).all(|c| range[c].contains(&p[c])), "{level} {f} {p:?}");
+                    assert!(
+                        (0..3).all(|c| range[c].contains(&p[c])),
+                        "{level} {f} {p:?}"
+                    );
                 }
             }
             out
@@ -499,7 +538,10 @@ fn collect(patch: &TrianglePatch, level: u32) -> Vec<Sample> {
             for j in 0..=m {
                 for i in 0..=m {
                     let new = (p.get(i, j), n.get(i, j));
-                    assert!(new.0.iter().chain(&new.1).all(|c| c.is_finite()), "{level} {i} {j}");
+                    assert!(
+                        new.0.iter().chain(&new.1).all(|c| c.is_finite()),
+                        "{level} {i} {j}"
+                    );
                     if bu == bv && j > i {
                         assert_eq!(new, (p.get(j, j), n.get(j, j)));
                         continue;
@@ -567,7 +609,10 @@ fn everything_agrees_with_plain_refinement() {
                         "{name} level {level} face {f} point {k}: off by {off:?}"
                     );
                     worst = [0, 1].map(|i: usize| worst[i].max(off[i]));
-                    assert_eq!(refined[f][k].1, limit[f][k].1, "normals are those of the limit");
+                    assert_eq!(
+                        refined[f][k].1, limit[f][k].1,
+                        "normals are those of the limit"
+                    );
                     if let Some(normal) = normal {
                         let sine = cross(limit[f][k].1.map(f64::from), normal);
                         let sine = dot(sine, sine).sqrt();
@@ -598,9 +643,8 @@ fn differing(mesh: &Mesh, target: Target, level: u32, fault: DiceFault) -> [usiz
     let got = diced(mesh, target, level, fault);
     let mut out = [0; 2];
     for h in 0..t.half_count() as u32 {
-        let opposite = |g: &u32| {
-            t.vertex(*g) == t.vertex(t.next(h)) && t.vertex(t.next(*g)) == t.vertex(h)
-        };
+        let opposite =
+            |g: &u32| t.vertex(*g) == t.vertex(t.next(h)) && t.vertex(t.next(*g)) == t.vertex(h);
         // A crease is two half-edges between the same vertices, without twins.
         let g = match t.twin(h) {
             NONE => (0..t.half_count() as u32).find(opposite).unwrap_or(NONE),
