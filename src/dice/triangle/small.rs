@@ -1,15 +1,14 @@
-//! Pieces of a few points, of which every irregular corner leaves many: one vector holds all their points, and each control point is
-//! weighed once for all of them.
+//! Pieces of a few points, of which every irregular corner leaves many: one line of the kernels holds all their points, and every control
+//! point is weighed for all of them at once.
 
 use super::super::basis::Target;
-use super::super::point::P4;
 use super::super::regular::{LANES, LINE, Line, unit_cross};
 use super::basis::point_weights;
 use super::piece::Net12;
 use std::sync::OnceLock;
 
-/// Deepest level whose points fit into one vector.
-pub(super) const SMALL_LEVEL: u32 = 2;
+/// Deepest level whose points fit into one line of the kernels: 45 of 48.
+pub(super) const SMALL_LEVEL: u32 = 3;
 
 /// Weights of the twelve control points at every lattice point, row by row: of the point, and of the limit's derivatives.
 #[derive(Clone, Debug)]
@@ -30,7 +29,7 @@ impl Small {
             let n = 1_i32 << level;
             let places: Vec<[i32; 2]> =
                 (0..=n).flat_map(|j| (j..=n).map(move |i| [i, j])).collect();
-            let weights: Vec<[[f64; 3]; 12]> = (0..LANES)
+            let weights: Vec<[[f64; 3]; 12]> = (0..places.len().next_multiple_of(LANES))
                 .map(|k| {
                     let at = places[k.min(places.len() - 1)];
                     point_weights(target, level, at.map(|x| f64::from(x) / f64::from(n)))
@@ -70,13 +69,16 @@ fn sum(weights: &[Vec<f32>; 12], net: &Net12, out: &mut [Line; 3]) {
         // Not a constant to the compiler, which would unroll the loop instead of vectorising it.
         let n = weights[0].len();
         let out = &mut out[..n];
-        let w: [&[f32]; 12] = std::array::from_fn(|k| &weights[k][..n]);
-        let q: [f32; 12] = net.map(|p: P4| p.0[c]);
-        for i in 0..n {
-            let low = (w[0][i] * q[0] + w[1][i] * q[1]) + (w[2][i] * q[2] + w[3][i] * q[3]);
-            let mid = (w[4][i] * q[4] + w[5][i] * q[5]) + (w[6][i] * q[6] + w[7][i] * q[7]);
-            let top = (w[8][i] * q[8] + w[9][i] * q[9]) + (w[10][i] * q[10] + w[11][i] * q[11]);
-            out[i] = (low + top) + mid;
+        for k in [0, 4, 8] {
+            let (w0, w1) = (&weights[k][..n], &weights[k + 1][..n]);
+            let (w2, w3) = (&weights[k + 2][..n], &weights[k + 3][..n]);
+            let (q0, q1) = (net[k].0[c], net[k + 1].0[c]);
+            let (q2, q3) = (net[k + 2].0[c], net[k + 3].0[c]);
+            let first = k == 0;
+            for i in 0..n {
+                let part = (w0[i] * q0 + w1[i] * q1) + (w2[i] * q2 + w3[i] * q3);
+                out[i] = if first { part } else { out[i] + part };
+            }
         }
     }
 }
