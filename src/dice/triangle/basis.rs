@@ -162,6 +162,29 @@ pub(super) fn expansion(target: Target, level: u32) -> &'static Expansion {
     })
 }
 
+fn value(f: &Poly, [s, t]: [f64; 2]) -> f64 {
+    let row = |row: &[f64; 5]| row.iter().rev().fold(0.0, |sum, a| sum * t + a);
+    f.iter().rev().fold(0.0, |sum, a| sum * s + row(a))
+}
+
+/// Weights of the twelve control points at one place: for the point of `target` after `level` steps, and for the derivatives of the
+/// limit along s and t.
+pub(super) fn point_weights(target: Target, level: u32, at: [f64; 2]) -> [[f64; 3]; 12] {
+    std::array::from_fn(|k| {
+        let limit = weight(k);
+        let point = match target {
+            Target::Limit => limit,
+            Target::Refined => control(&limit, 1.0 / f64::from(1_u32 << level)),
+        };
+        let slope = |d| value(&derivative(&limit, d), at) / 24.0;
+        [
+            value(&point, at) / 24.0,
+            slope([1.0, 0.0]),
+            slope([0.0, 1.0]),
+        ]
+    })
+}
+
 /// Bernstein polynomials at `0, 1/n, … 1` with `n = 2^level`, padded by 16 entries that repeat the last one.
 #[derive(Clone, Debug)]
 pub(super) struct Bernstein {

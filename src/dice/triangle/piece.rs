@@ -6,7 +6,8 @@
 use super::super::basis::Target;
 use super::super::point::P4;
 use super::super::regular::{LANES, LINE, Line, unit_cross, weigh3};
-use super::basis::{BEZIER, Bernstein, expansion};
+use super::basis::{BEZIER, Bernstein, Expansion, expansion};
+use super::small::{SMALL_LEVEL, Small};
 use crate::records::{BLOCK_STRIDE, Grid3};
 
 /// Twelve control points, in the order of [`OFFSETS`](super::basis::OFFSETS).
@@ -73,27 +74,40 @@ pub(super) fn turn(net: &Net12) -> Net12 {
 /// 25 points in Bernstein form over the square of which the triangle is one half.
 pub(super) type Tensor = [[P4; 5]; 5];
 
-/// Row `r` of the Bernstein form.
+/// Row `r` of the Bernstein form. Loops, here and below, where closures would not be inlined into the kernels and so compiled without
+/// their instructions.
 #[inline(always)]
-pub(super) fn expand_row(net: &Net12, weights: &[[f32; 12]; 25], r: usize) -> [P4; 5] {
-    std::array::from_fn(|c| {
+pub(super) fn expand_row(net: &Net12, weights: &Expansion, r: usize) -> [P4; 5] {
+    let mut out = [P4::ZERO; 5];
+    for c in 0..5 {
         let w = &weights[5 * r + c];
-        let pair = |a: usize, b: usize| net[a] * w[a] + net[b] * w[b];
-        let sum = (pair(0, 1) + pair(2, 3)) + (pair(4, 5) + pair(6, 7));
-        (sum + (pair(8, 9) + pair(10, 11))) * (1.0 / 24.0)
-    })
+        let low = (net[0] * w[0] + net[1] * w[1]) + (net[2] * w[2] + net[3] * w[3]);
+        let mid = (net[4] * w[4] + net[5] * w[5]) + (net[6] * w[6] + net[7] * w[7]);
+        let top = (net[8] * w[8] + net[9] * w[9]) + (net[10] * w[10] + net[11] * w[11]);
+        out[c] = ((low + top) + mid) * (1.0 / 24.0);
+    }
+    out
 }
 
 #[inline(always)]
-fn expand(net: &Net12, weights: &[[f32; 12]; 25]) -> Tensor {
-    std::array::from_fn(|r| expand_row(net, weights, r))
+fn expand(net: &Net12, weights: &Expansion) -> Tensor {
+    let mut out = [[P4::ZERO; 5]; 5];
+    for r in 0..5 {
+        out[r] = expand_row(net, weights, r);
+    }
+    out
 }
 
 /// Cubic coefficients of what is a cubic given as a quartic.
 #[inline(always)]
 pub(super) fn reduced(q: [P4; 5]) -> [P4; 4] {
-    let inner = |a: P4, b: P4| (b * 4.0 - a) * (1.0 / 3.0);
-    [q[0], inner(q[0], q[1]), inner(q[4], q[3]), q[4]]
+    let third = 1.0 / 3.0;
+    [
+        q[0],
+        (q[1] * 4.0 - q[0]) * third,
+        (q[3] * 4.0 - q[4]) * third,
+        q[4],
+    ]
 }
 
 /// Differences of neighbours: the derivative, up to the degree.
@@ -102,24 +116,52 @@ pub(super) fn differences(q: &[P4; 5]) -> [P4; 4] {
     [q[1] - q[0], q[2] - q[1], q[3] - q[2], q[4] - q[3]]
 }
 
+/// From row `a` to row `b`, as cubics.
 #[inline(always)]
-fn blend5(w: [f32; 5], p: [P4; 5]) -> P4 {
-    ((p[0] * w[0] + p[4] * w[4]) + (p[1] * w[1] + p[3] * w[3])) + p[2] * w[2]
+pub(super) fn step_across(a: &[P4; 5], b: &[P4; 5]) -> [P4; 4] {
+    reduced([
+        b[0] - a[0],
+        b[1] - a[1],
+        b[2] - a[2],
+        b[3] - a[3],
+        b[4] - a[4],
+    ])
 }
 
+/// Five rows blended by quartic weights.
 #[inline(always)]
-fn blend4(w: [f32; 4], p: [P4; 4]) -> P4 {
-    (p[0] * w[0] + p[3] * w[3]) + (p[1] * w[1] + p[2] * w[2])
+fn blend5<const N: usize>(w: &[Vec<f32>; 5], at: usize, rows: &[[P4; N]; 5]) -> [P4; N] {
+    let w = [w[0][at], w[1][at], w[2][at], w[3][at], w[4][at]];
+    let mut out = [P4::ZERO; N];
+    for c in 0..N {
+        let ends = rows[0][c] * w[0] + rows[4][c] * w[4];
+        let inner = rows[1][c] * w[1] + rows[3][c] * w[3];
+        out[c] = (ends + inner) + rows[2][c] * w[2];
+    }
+    out
+}
+
+/// Four rows blended by cubic weights.
+#[inline(always)]
+fn blend4(w: &[Vec<f32>; 4], at: usize, rows: &[[P4; 4]; 4]) -> [P4; 4] {
+    let w = [w[0][at], w[1][at], w[2][at], w[3][at]];
+    let mut out = [P4::ZERO; 4];
+    for c in 0..4 {
+        let ends = rows[0][c] * w[0] + rows[3][c] * w[3];
+        out[c] = ends + (rows[1][c] * w[1] + rows[2][c] * w[2]);
+    }
+    out
 }
 
 /// One component of the points that the weights from `at` on make of `q`; see [`weigh3`].
 #[inline(always)]
-fn weigh5_one(w: &[Vec<f32>; 5], at: usize, n: usize, q: [f32; 5], out: &mut Line) {
+fn weigh5_one(w: &[Vec<f32>; 5], at: usize, n: usize, q: &[P4; 5], c: usize, out: &mut Line) {
     let (w0, w1, w2) = (&w[0][at..at + n], &w[1][at..at + n], &w[2][at..at + n]);
     let (w3, w4) = (&w[3][at..at + n], &w[4][at..at + n]);
+    let (q0, q1, q2, q3, q4) = (q[0].0[c], q[1].0[c], q[2].0[c], q[3].0[c], q[4].0[c]);
     let out = &mut out[..n];
     for i in 0..n {
-        out[i] = ((w0[i] * q[0] + w4[i] * q[4]) + (w1[i] * q[1] + w3[i] * q[3])) + w2[i] * q[2];
+        out[i] = ((w0[i] * q0 + w4[i] * q4) + (w1[i] * q1 + w3[i] * q3)) + w2[i] * q2;
     }
 }
 
@@ -127,9 +169,9 @@ fn weigh5_one(w: &[Vec<f32>; 5], at: usize, n: usize, q: [f32; 5], out: &mut Lin
 #[inline(always)]
 pub(super) fn weigh5(w: &[Vec<f32>; 5], at: usize, n: usize, q: &[P4; 5], out: &mut [Line; 3]) {
     let [x, y, z] = out;
-    weigh5_one(w, at, n, q.map(|p| p.0[0]), x);
-    weigh5_one(w, at, n, q.map(|p| p.0[1]), y);
-    weigh5_one(w, at, n, q.map(|p| p.0[2]), z);
+    weigh5_one(w, at, n, q, 0, x);
+    weigh5_one(w, at, n, q, 1, y);
+    weigh5_one(w, at, n, q, 2, z);
 }
 
 /// A quartic box spline over a triangle of a face's grid.
@@ -206,6 +248,10 @@ impl Piece {
         if low[0] > high[0] || low[1] > high[1] || apart {
             return;
         }
+        if self.level <= SMALL_LEVEL {
+            self.dice_small(target, range, start, points, normals);
+            return;
+        }
         let limit = expand(&self.net, expansion(Target::Limit, 0));
         let refined;
         let net = match target {
@@ -228,83 +274,133 @@ impl Piece {
     }
 
     #[inline(always)]
+    fn dice_small(
+        &self,
+        target: Target,
+        range: Range,
+        start: [i32; 2],
+        points: &mut Grid3,
+        normals: Option<&mut Grid3>,
+    ) {
+        let small = Small::get(target, self.level);
+        let mut line = [[0.0; LINE]; 3];
+        small.points(&self.net, &mut line);
+        let base = self.base.xyz();
+        self.scatter(small, &line, base, range, start, points);
+        if let Some(normals) = normals {
+            small.normals(&self.net, fallback(&self.net), &mut line);
+            self.scatter(small, &line, [0.0; 3], range, start, normals);
+        }
+    }
+
+    /// Writes the lanes of a small piece to their places, if these are in `range`.
+    #[inline(always)]
+    fn scatter(
+        &self,
+        small: &Small,
+        line: &[Line; 3],
+        base: [f32; 3],
+        range: Range,
+        start: [i32; 2],
+        out: &mut Grid3,
+    ) {
+        let sign = if self.down { -1 } else { 1 };
+        let [x0, y0] = self.origin();
+        let inside = x0 >= range.low[0]
+            && y0 >= range.low[1]
+            && x0 + self.size <= range.high[0]
+            && y0 + self.size <= range.high[1];
+        for (k, place) in small.places.iter().enumerate() {
+            let (x, y) = (
+                self.corner[0] + sign * place[0],
+                self.corner[1] + sign * place[1],
+            );
+            let within = |at: i32, c: usize| range.low[c] <= at && at <= range.high[c];
+            if inside || (within(x, 0) && within(y, 1)) {
+                let (i, j) = ((x - start[0]) as usize, (y - start[1]) as usize);
+                let p = [
+                    base[0] + line[0][k],
+                    base[1] + line[1][k],
+                    base[2] + line[2][k],
+                ];
+                out.set(i, j, p);
+            }
+        }
+    }
+
+    #[inline(always)]
     fn dice_points(&self, net: &Tensor, rows: &Rows, out: &mut Grid3) {
         let b = Bernstein::get(self.level);
         let mut line = [[0.0; LINE]; 3];
-        self.each_row(rows, |j, first, n, to| {
-            let w = [0, 1, 2, 3, 4].map(|k| b.quartic[k][j]);
-            let mut q: [P4; 5] = std::array::from_fn(|c| {
-                self.base + blend5(w, [net[0][c], net[1][c], net[2][c], net[3][c], net[4][c]])
-            });
-            if self.down {
-                q.reverse();
+        for y in rows.low[1]..=rows.high[1] {
+            let Some(row) = self.row(rows, y) else {
+                continue;
+            };
+            let mut q = blend5(&b.quartic, row.j, net);
+            for p in &mut q {
+                *p = self.base + *p;
             }
-            weigh5(&b.quartic, first, n.next_multiple_of(LANES), &q, &mut line);
-            put(out, to, n, &line);
-        });
+            if self.down {
+                q = [q[4], q[3], q[2], q[1], q[0]];
+            }
+            let lanes = row.count.next_multiple_of(LANES);
+            weigh5(&b.quartic, row.first, lanes, &q, &mut line);
+            put(out, row.to, row.count, &line);
+        }
     }
 
     #[inline(always)]
     fn dice_normals(&self, net: &Tensor, rows: &Rows, out: &mut Grid3) {
         let b = Bernstein::get(self.level);
         let spare = fallback(&self.net);
-        let along: [[P4; 4]; 5] = std::array::from_fn(|r| differences(&net[r]));
-        let across: [[P4; 4]; 4] =
-            std::array::from_fn(|r| reduced(std::array::from_fn(|c| net[r + 1][c] - net[r][c])));
+        let mut along = [[P4::ZERO; 4]; 5];
+        for r in 0..5 {
+            along[r] = differences(&net[r]);
+        }
+        let mut across = [[P4::ZERO; 4]; 4];
+        for r in 0..4 {
+            across[r] = step_across(&net[r], &net[r + 1]);
+        }
         let (mut du, mut dv, mut unit) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3], [[0.0; LINE]; 3]);
-        self.each_row(rows, |j, first, n, to| {
-            let w5 = [0, 1, 2, 3, 4].map(|k| b.quartic[k][j]);
-            let w4 = [0, 1, 2, 3].map(|k| b.cubic[k][j]);
-            let mut u: [P4; 4] = std::array::from_fn(|c| {
-                blend5(
-                    w5,
-                    [
-                        along[0][c],
-                        along[1][c],
-                        along[2][c],
-                        along[3][c],
-                        along[4][c],
-                    ],
-                )
-            });
-            let mut v: [P4; 4] = std::array::from_fn(|c| {
-                blend4(w4, [across[0][c], across[1][c], across[2][c], across[3][c]])
-            });
+        for y in rows.low[1]..=rows.high[1] {
+            let Some(row) = self.row(rows, y) else {
+                continue;
+            };
+            let mut u = blend5(&b.quartic, row.j, &along);
+            let mut v = blend4(&b.cubic, row.j, &across);
             if self.down {
-                u.reverse();
-                v.reverse();
+                u = [u[3], u[2], u[1], u[0]];
+                v = [v[3], v[2], v[1], v[0]];
             }
-            let lanes = n.next_multiple_of(LANES);
-            weigh3(&b.cubic, first, lanes, &u, &mut du);
-            weigh3(&b.cubic, first, lanes, &v, &mut dv);
+            let lanes = row.count.next_multiple_of(LANES);
+            weigh3(&b.cubic, row.first, lanes, &u, &mut du);
+            weigh3(&b.cubic, row.first, lanes, &v, &mut dv);
             unit_cross(&du, &dv, lanes, spare, &mut unit);
-            put(out, to, n, &unit);
-        });
+            put(out, row.to, row.count, &unit);
+        }
     }
 
-    /// Calls `f` for every row with the row's number in the piece, the first column from the piece's left end, the number of points
-    /// and where they go.
+    /// The part of grid row `y` that is wanted of this piece.
     #[inline(always)]
-    fn each_row(&self, rows: &Rows, mut f: impl FnMut(usize, usize, usize, usize)) {
+    fn row(&self, rows: &Rows, y: i32) -> Option<Row> {
         let [x0, y0] = rows.origin;
-        for y in rows.low[1]..=rows.high[1] {
-            let (j, left, right) = if self.down {
-                (self.size - (y - y0), x0, x0 + (y - y0))
-            } else {
-                (y - y0, x0 + (y - y0), x0 + self.size)
-            };
-            let (left, right) = (left.max(rows.low[0]), right.min(rows.high[0]));
-            if left <= right {
-                let to =
-                    (y - rows.start[1]) as usize * BLOCK_STRIDE + (left - rows.start[0]) as usize;
-                f(
-                    j as usize,
-                    (left - x0) as usize,
-                    (right - left + 1) as usize,
-                    to,
-                );
-            }
+        let up = y - y0;
+        let (j, left, right) = if self.down {
+            (self.size - up, x0, x0 + up)
+        } else {
+            (up, x0 + up, x0 + self.size)
+        };
+        let (left, right) = (left.max(rows.low[0]), right.min(rows.high[0]));
+        if left > right {
+            return None;
         }
+        let to = (y - rows.start[1]) as usize * BLOCK_STRIDE + (left - rows.start[0]) as usize;
+        Some(Row {
+            j: j as usize,
+            first: (left - x0) as usize,
+            count: (right - left + 1) as usize,
+            to,
+        })
     }
 
     /// Points whose convex hull holds the piece.
@@ -365,6 +461,14 @@ struct Rows {
     high: [i32; 2],
     origin: [i32; 2],
     start: [i32; 2],
+}
+
+/// Part of a row: its number in the piece, the first column from the piece's left end, the number of points and where they go.
+struct Row {
+    j: usize,
+    first: usize,
+    count: usize,
+    to: usize,
 }
 
 /// Bézier points over `[a, b]` of a quartic over `[0, 1]`.

@@ -11,7 +11,7 @@ use super::super::edge::{EdgeSamples, Samples};
 use super::super::point::P4;
 use super::super::regular::{LANES, LINE, Line, unit_cross, weigh3};
 use super::basis::{Bernstein, expansion};
-use super::piece::{Net12, differences, expand_row, fallback, reduced, weigh5};
+use super::piece::{Net12, differences, expand_row, fallback, step_across, weigh5};
 use super::ring::{Hexagon, Near, edge_point, vertex_point};
 use crate::dispatch;
 
@@ -54,40 +54,34 @@ impl Strip {
     #[inline(always)]
     fn sample_kernel(&self, to: Samples, out: &mut EdgeSamples) {
         let b = Bernstein::get(to.level);
-        let first = expand_row(&self.net, expansion(to.target, to.level), 0).map(|q| self.base + q);
+        let count = (1_usize << to.level) + 1;
+        let mut first = expand_row(&self.net, expansion(to.target, to.level), 0);
+        for q in &mut first {
+            *q = self.base + *q;
+        }
         let mut line = [[0.0; LINE]; 3];
-        runs(to, |i, n| {
+        for i in (0..count).step_by(LINE) {
+            let n = (count - i).min(LINE);
             weigh5(&b.quartic, i, n.next_multiple_of(LANES), &first, &mut line);
             put(to, &line, &mut out.points, i, n);
-        });
+        }
         if !to.normals {
             return;
         }
         let weights = expansion(Target::Limit, 0);
-        let (first, second) = (
-            expand_row(&self.net, weights, 0),
-            expand_row(&self.net, weights, 1),
-        );
+        let first = expand_row(&self.net, weights, 0);
         let along = differences(&first);
-        let across = reduced(std::array::from_fn(|c| second[c] - first[c]));
+        let across = step_across(&first, &expand_row(&self.net, weights, 1));
         let spare = fallback(&self.net);
-        let (mut du, mut dv, mut unit) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3], [[0.0; LINE]; 3]);
-        runs(to, |i, n| {
+        let (mut du, mut dv) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3]);
+        for i in (0..count).step_by(LINE) {
+            let n = (count - i).min(LINE);
             let lanes = n.next_multiple_of(LANES);
             weigh3(&b.cubic, i, lanes, &along, &mut du);
             weigh3(&b.cubic, i, lanes, &across, &mut dv);
-            unit_cross(&du, &dv, lanes, spare, &mut unit);
-            put(to, &unit, &mut out.normals, i, n);
-        });
-    }
-}
-
-/// Cuts the samples into runs of at most a line: first sample and number.
-#[inline(always)]
-fn runs(to: Samples, mut f: impl FnMut(usize, usize)) {
-    let count = (1_usize << to.level) + 1;
-    for i in (0..count).step_by(LINE) {
-        f(i, (count - i).min(LINE));
+            unit_cross(&du, &dv, lanes, spare, &mut line);
+            put(to, &line, &mut out.normals, i, n);
+        }
     }
 }
 
