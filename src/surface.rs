@@ -207,6 +207,13 @@ impl Surface {
         }
     }
 
+    /// The rule of face-varying values: the option, else the cage's tag, else corners-plus1.
+    #[must_use]
+    pub fn face_varying_rule(&self) -> FaceVaryingRule {
+        let rule = self.options.face_varying;
+        rule.or(self.cage.tags.face_varying).unwrap_or_default()
+    }
+
     /// Makes what dicing at `level` of the quads needs. To be called once, before threads dice.
     pub(crate) fn ensure(&self, level: u32) {
         if let Some(control) = &self.control {
@@ -309,8 +316,7 @@ impl Surface {
         }
         self.cage.points.copy_from_slice(points);
         if self.control.is_some() {
-            let rule = self.options.face_varying.or(self.cage.tags.face_varying);
-            self.control = self.control_tree(rule.unwrap_or_default()).map(Box::new);
+            self.control = self.control_tree(self.face_varying_rule()).map(Box::new);
         } else {
             self.mesh.update(points, true);
         }

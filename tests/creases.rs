@@ -5,6 +5,8 @@ mod common;
 mod edges;
 #[path = "common/oracle.rs"]
 mod oracle;
+#[allow(dead_code, unreachable_pub)]
+mod support;
 
 use earmark::dice::DiceFault;
 use earmark::mesh::obj;
@@ -12,6 +14,7 @@ use earmark::mesh::resolver::NoFiles;
 use earmark::scheme::{Boundary, CreaseMethod};
 use earmark::{Cage, Scene, Surface, SurfaceOptions};
 use std::fmt::Write;
+use support::random_cages::{COUNT, random_cage, random_triangles};
 
 /// A bent sheet of `n` by `n` quads, with tags.
 fn sheet(n: u32, creases: &[(u32, u32, f32)], corners: &[(u32, f32)]) -> Cage {
@@ -48,23 +51,20 @@ fn read(text: &str) -> Cage {
     .cage
 }
 
-fn check(name: &str, cage: &Cage, options: &SurfaceOptions, most: u32) {
-    let surface = Surface::new(cage.clone(), options);
-    let plain = oracle::smooth(&surface, options);
-    let moved = (0..surface.quads().face_count() as u32)
-        .any(|q| surface.dice(q, 3).points != plain.dice(q, 3).points);
-    assert!(moved, "{name}: sharpness changes nothing");
+/// Holds a surface against whole-mesh refinement, and its faces against each other.
+fn check(name: &str, surface: &Surface, most: u32) -> oracle::Worst {
     let view = edges::view_of(&Scene::of(surface.clone()));
     let mut sum = oracle::Worst::default();
     for level in 1..=most {
-        let worst = oracle::compare(&surface, level);
+        let worst = oracle::compare(surface, level);
         assert!(worst.point <= 2e-6, "{name} at level {level}: {worst:?}");
         assert!(worst.normal <= 0.05, "{name} at level {level}: {worst:?}");
-        let (differ, compared) = edges::compare(&surface, &view, level, DiceFault::None);
+        assert!(worst.uv <= 1e-5, "{name} at level {level}: {worst:?}");
+        let (differ, compared) = edges::compare(surface, &view, level, DiceFault::None);
         assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
         sum.add(worst);
     }
-    println!("creases: {name} {sum:?}");
+    sum
 }
 
 #[test]
@@ -118,7 +118,35 @@ fn sheets_with_every_kind_of_sharpness_agree_with_refinement() {
                 boundary: Some(Boundary::EdgeOnly),
                 ..SurfaceOptions::default()
             };
-            check(name, cage, &options, 5);
+            let surface = Surface::new(cage.clone(), &options);
+            let plain = oracle::smooth(&surface, &options);
+            let moved = (0..surface.quads().face_count() as u32)
+                .any(|q| surface.dice(q, 3).points != plain.dice(q, 3).points);
+            assert!(moved, "{name}: sharpness changes nothing");
+            let sum = check(name, &surface, 5);
+            println!("creases: {name} {sum:?}");
         }
+    }
+}
+
+#[test]
+fn random_cages_agree_with_refinement_under_every_combination_of_rules() {
+    for make in [random_cage, random_triangles] {
+        let mut sum = oracle::Worst::default();
+        for i in 0..COUNT {
+            let random = make(i);
+            let case = &random.case;
+            let options = SurfaceOptions {
+                scheme: case.options.scheme,
+                boundary: Some(case.boundary),
+                creases: Some(case.options.creases),
+                triangles: Some(case.options.triangles),
+                face_varying: Some(case.fvar),
+            };
+            let surface = Surface::new(read(&random.obj), &options);
+            let name = format!("random cage {i} under {:?}", case.options.scheme);
+            sum.add(check(&name, &surface, 3));
+        }
+        println!("creases: {COUNT} random cages {sum:?}");
     }
 }

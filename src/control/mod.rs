@@ -195,27 +195,32 @@ impl ControlTree {
         let mut all: Vec<Fans> = (0..=level)
             .map_while(|depth| self.level(depth).map(|l| l.refined(level - depth)))
             .collect();
-        // Corners of the first level's quads at features: the same point for all faces, from where the vertex is no feature any more.
-        let root = &self.root;
-        for fan in 0..root.points.topology.fans().len() as u32 {
-            let mut v = root.points.topology.fan_vertex(fan);
-            if !root.rules.features[v as usize] {
-                continue;
-            }
-            let mut depth = 0;
-            while let (Some(here), Some(below)) = (self.level(depth), self.level(depth + 1)) {
-                if depth == level || !here.rules.features[v as usize] {
-                    break;
+        // The fans of features know nothing of their vertices' way: it ends where the vertex is no feature any more.
+        for top in 0..all.len() {
+            let Some(here) = self.level(top as u32) else {
+                break;
+            };
+            let t = &here.points.topology;
+            for fan in 0..t.fans().len() as u32 {
+                let v = t.fan_vertex(fan);
+                if let Some((depth, v)) = self.settled(top as u32, v, level) {
+                    let point = all[depth as usize].limits()[v as usize];
+                    all[top].limits_mut()[fan as usize] = point;
                 }
-                let Ok(child) = below.above.binary_search(&v) else {
-                    break;
-                };
-                (v, depth) = (child as u32, depth + 1);
             }
-            let point = all[depth as usize].limits()[v as usize];
-            all[0].limits_mut()[fan as usize] = point;
         }
         all
+    }
+
+    /// Where feature `v` of the level at `depth` stops being one, at `last` at the latest: that depth, and its descendant there.
+    fn settled(&self, mut depth: u32, mut v: u32, last: u32) -> Option<(u32, u32)> {
+        let top = depth;
+        while depth < last && self.level(depth)?.rules.features[v as usize] {
+            let below = self.level(depth + 1)?;
+            v = below.above.binary_search(&v).ok()? as u32;
+            depth += 1;
+        }
+        (depth > top).then_some((depth, v))
     }
 
     /// The tree as dicing sees it, for one channel.

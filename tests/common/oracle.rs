@@ -3,7 +3,7 @@
 
 use earmark::mesh::NONE;
 use earmark::refine::{Level, Options, limit, refine};
-use earmark::topology::{ConnectOptions, connect};
+use earmark::topology::{ConnectOptions, Topology, connect};
 use earmark::{Cage, Surface, SurfaceOptions};
 
 /// Largest differences of one comparison.
@@ -15,6 +15,10 @@ pub struct Worst {
     pub normal: f64,
     /// Points compared.
     pub count: u64,
+    /// Distance of texture coordinates at the limit.
+    pub uv: f64,
+    /// Texture coordinates compared.
+    pub uv_count: u64,
 }
 
 impl Worst {
@@ -22,6 +26,8 @@ impl Worst {
         self.point = self.point.max(o.point);
         self.normal = self.normal.max(o.normal);
         self.count += o.count;
+        self.uv = self.uv.max(o.uv);
+        self.uv_count += o.uv_count;
     }
 }
 
@@ -110,6 +116,32 @@ pub fn grid_corners(surface: &Surface, q: u32, quad_level: u32) -> Vec<u32> {
     grid
 }
 
+/// Whether the rules have one tangent plane in each sector of a fan. They have none where too many faces lie between sharp edges: a
+/// second mode shrinks no faster than the plane's, so what counts as the normal is a convention that depends on the level.
+fn has_tangent_plane(t: &Topology, fan: u32, triangles: bool) -> bool {
+    let sharp = |h: u32| t.edge_sharpness(t.edge(h)) >= 10.0;
+    let ring: Vec<u32> = earmark::topology::Ring::of_fan(t, fan).collect();
+    let info = t.fans()[fan as usize];
+    let edges = ring.iter().filter(|&&h| sharp(h)).count() + usize::from(!info.closed);
+    let corner = t.vertex_sharpness(t.fan_vertex(fan)) >= 10.0 || edges > 2;
+    if !corner && edges < 2 {
+        return true;
+    }
+    // Longest run of faces without a sharp edge between them, around the end of a closed fan.
+    let (mut longest, mut run) = (0, 0);
+    for &h in ring.iter().chain(ring.iter().filter(|_| info.closed)) {
+        run = if sharp(h) { 1 } else { run + 1 };
+        longest = longest.max(run);
+    }
+    longest
+        <= match (corner, triangles) {
+            (true, false) => 1,
+            (true, true) => 2,
+            (false, false) => 3,
+            (false, true) => 5,
+        }
+}
+
 /// The same for a triangle, which fills the half of its grid where the row is at most the column; `u32::MAX` elsewhere.
 fn triangle_corners(face: u32, level: u32) -> Vec<u32> {
     let n = 1_i32 << level;
@@ -168,12 +200,13 @@ fn rounding(grid: &earmark::surface::DicedQuad, k: usize) -> f64 {
 
 /// Compares limit points, normals and control points of every quad at a level of the cage.
 pub fn compare(surface: &Surface, level: u32) -> Worst {
-    let points = surface
-        .control_base()
-        .iter()
-        .map(|p| p.map(f64::from))
-        .collect();
-    let base = Level::<f64>::new(surface.topology().clone(), points).unwrap();
+    let base = Level::<f64>::of_cage(
+        surface.cage(),
+        surface.topology().clone(),
+        surface.refine_options().scheme,
+        surface.face_varying_rule(),
+    )
+    .unwrap();
     let options = surface.refine_options();
     let fine = refine(base, &options, level, None, &mut Default::default()).unwrap();
     let want = limit(&fine, &options);
@@ -199,7 +232,7 @@ pub fn compare(surface: &Surface, level: u32) -> Worst {
             let fan = t.fans()[t.fan(h) as usize];
             // A sharp point on a smooth sheet is the tip of a cone, and has none either.
             let tip = fan.closed && t.vertex_sharpness(t.vertex(h)) >= 10.0;
-            if fan.edges() > 2 && !tip {
+            if fan.edges() > 2 && !tip && has_tangent_plane(t, t.fan(h), surface.is_triangular()) {
                 let n = want.normals[want.normal_index(t, h) as usize];
                 let a = angle(grid.normals[k], n);
                 // Where cells are so small that single precision blurs them, normals of the cage itself mean no more.
@@ -208,6 +241,14 @@ pub fn compare(surface: &Surface, level: u32) -> Worst {
                 }
             }
             worst.count += 1;
+            if let Some(uvs) = &fine.uvs
+                && uvs.is_complete(surface.cage_face(q as u32))
+            {
+                let [u, v] = want.uvs[uvs.corners[h as usize] as usize];
+                let [gu, gv] = grid.uvs[k].map(f64::from);
+                worst.uv = worst.uv.max((gu - u).hypot(gv - v));
+                worst.uv_count += 1;
+            }
         }
     }
     worst

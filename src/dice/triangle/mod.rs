@@ -15,6 +15,7 @@ mod patch;
 mod piece;
 mod ring;
 mod side;
+mod small;
 #[cfg(test)]
 mod tests;
 

@@ -280,9 +280,10 @@ impl LocalRing {
         for _ in 0..3 {
             let at = ring.as_ref().unwrap_or(self);
             if let Some(n) = across(at.tangents(tables, sector, linear)) {
-                // Two tangents of a corner know its plane, but not which side of a reflex angle is the sector.
+                // Two tangents of a corner know its plane, but not which side of a reflex angle is the sector. (Two triangles never come
+                // to lie in one: the edge between them turns to the sum of their outer ones.)
                 let flip = at.rule() == Rule::Corner
-                    && sector.count > 1
+                    && sector.count > 1 + usize::from(at.triangles)
                     && dot(&n, &at.face_normal(sector)) < 0.0;
                 return if flip { n.map(|c| -c) } else { n };
             }
