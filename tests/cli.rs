@@ -43,6 +43,7 @@ fn every_flag_says_its_default_or_takes_no_value() {
             let takes_value = line.contains(" <");
             let optional_file = [
                 "--stats",
+                "--stencils",
                 "--color-map",
                 "--output",
                 "--format",

@@ -341,7 +341,11 @@ fn interpolating_schemes_keep_the_cage() {
                 _ => triangulated(&shape),
             };
             assert!(has_semi_sharp(&shape.topology(Boundary::EdgeOnly)));
-            let mut level = shape.level(Boundary::EdgeOnly);
+            let uvs: Vec<[f64; 2]> = shape.points.iter().map(|p| [p[0], p[2]]).collect();
+            let mut level = shape
+                .level(Boundary::EdgeOnly)
+                .with_uvs(&uvs, &shape.corners, scheme, FaceVaryingRule::CornersPlus1)
+                .unwrap();
             for _ in 0..4 {
                 level = refined(level, 1, &by(scheme));
                 assert!(level.points[..shape.points.len()] == shape.points[..]);
@@ -349,6 +353,7 @@ fn interpolating_schemes_keep_the_cage() {
             }
             let limits = limit(&level, &by(scheme));
             assert!(limits.positions == level.points);
+            assert_eq!(limits.uvs, level.uvs.as_ref().unwrap().values);
             for n in &limits.normals {
                 assert!((distance(n, &[0.0; 3]) - 1.0).abs() < 1e-12);
             }

@@ -397,18 +397,26 @@ fn random_charts() {
     with_program(|program| {
         let mut tallies = ["random: control points", "random: texture coordinates"].map(Tally::new);
         let mut turn = 0;
-        for seed in 0..120 {
+        for seed in 0..240 {
             let name = format!("sheet{seed}");
-            let text = random_sheet(seed);
+            // The second half is for Loop.
+            let triangles = seed >= 120;
+            let text = random_sheet(seed, triangles);
             let cage = std::env::temp_dir()
                 .join(format!("earmark-{name}-{}-cage.obj", std::process::id()));
             std::fs::write(&cage, &text).unwrap();
             let case = Case {
                 name,
-                scheme: "catmull-clark".into(),
+                scheme: if triangles { "loop" } else { "catmull-clark" }.into(),
                 boundary: earmark::scheme::Boundary::EdgeOnly,
                 fvar: earmark::scheme::FaceVaryingRule::All,
-                options: earmark::refine::Options::default(),
+                options: earmark::refine::Options {
+                    scheme: match triangles {
+                        true => earmark::scheme::Scheme::Loop,
+                        false => earmark::scheme::Scheme::CatmullClark,
+                    },
+                    ..earmark::refine::Options::default()
+                },
                 kind: "plain".into(),
                 levels: vec![2],
             };
@@ -426,11 +434,11 @@ fn random_charts() {
     });
 }
 
-/// An OBJ of 4 by 4 quads, some split into triangles. Two random lines cut it into charts, which some vertices sew together again.
+/// An OBJ of 4 by 4 quads, some or all split into triangles. Two random lines cut it into charts, which some vertices sew together again.
 ///
 /// No chart meets a vertex in several places: there the library's own answer depends on the numbering of faces under the rules none and
 /// corners-only (the first value stays, another one is taken apart), and ours is not meant to.
-fn random_sheet(seed: u64) -> String {
+fn random_sheet(seed: u64, triangles: bool) -> String {
     use std::fmt::Write;
     let mut noise = support::Noise(seed * 7 + 1);
     let mut pick = |n: u32| ((noise.number() + 0.5) * f64::from(n)) as u32;
@@ -451,7 +459,7 @@ fn random_sheet(seed: u64) -> String {
         let chart = 25 * (side[0] + 2 * side[1]);
         let a = q / 4 * 5 + q % 4;
         let quad = [a, a + 1, a + 6, a + 5];
-        let faces: Vec<Vec<u32>> = if pick(5) == 0 {
+        let faces: Vec<Vec<u32>> = if pick(5) == 0 || triangles {
             vec![
                 vec![quad[0], quad[1], quad[2]],
                 vec![quad[0], quad[2], quad[3]],

@@ -8,6 +8,7 @@
 use super::connectivity::Split;
 use super::interpolating::{Linear, Masks, Sheets};
 use super::real::{Real, blend, midpoint};
+use super::ring::Spoke;
 use super::sharpness::Step;
 use super::{Timings, edge, face, fill, timed, vertex};
 use crate::scheme::crease::{Transition, is_semi_sharp};
@@ -27,8 +28,8 @@ pub enum SiblingKind {
     Crease,
     /// Copied until the sharpness within its span is gone, then a crease.
     SemiSharp,
-    /// Without sharpness of its own: a corner for as long as any edge of the vertex is semi-sharp, and then blended like the other
-    /// sibling.
+    /// Without sharpness of its own: a corner for as long as the other sibling is semi-sharp, and then blended like it; but where the seam
+    /// is semi-sharp still, it stays for one more step and turns into a crease at once.
     Dependent,
 }
 
@@ -399,14 +400,6 @@ impl<T: Real> FaceVarying<T> {
         let mut transition = Transition::default();
         transition.note(sigma, child_sigma);
         let mut still = child_sigma > 0.0;
-        if sibling.kind == SiblingKind::Dependent {
-            // It waits for edges on the seam too; inside its own span there are none.
-            let mut spokes = Vec::new();
-            step.incidence.spokes(t, v, &mut spokes);
-            still |= spokes
-                .iter()
-                .any(|s| is_semi_sharp(step.child_edge(s.edge)[s.end as usize]));
-        }
         let mut h = governing.first;
         while h != governing.last {
             h = t.rotate(h);
@@ -419,13 +412,21 @@ impl<T: Real> FaceVarying<T> {
             still |= is_semi_sharp(child);
         }
         if still {
-            (x, sibling.kind)
-        } else {
-            (
-                blend(transition.weight(), &x, &curve()),
-                SiblingKind::Crease,
-            )
+            return (x, sibling.kind);
         }
+        if sibling.kind == SiblingKind::Dependent {
+            // Left to itself while there are semi-sharp edges on the seam it waits one step more.
+            let mut spokes = Vec::new();
+            step.incidence.spokes(t, v, &mut spokes);
+            let waits = |s: &Spoke| is_semi_sharp(step.child_edge(s.edge)[s.end as usize]);
+            if spokes.iter().any(waits) {
+                return (x, SiblingKind::SemiSharp);
+            }
+        }
+        (
+            blend(transition.weight(), &x, &curve()),
+            SiblingKind::Crease,
+        )
     }
 
     /// The other sibling of the vertex of a dependent one.

@@ -217,7 +217,7 @@ impl<T: Real> Level<T> {
                 if self.triangle_steps == 0 {
                     self.base_corner_faces[corner as usize]
                 } else {
-                    corner / 3 >> (2 * self.triangle_steps)
+                    (corner / 3) >> (2 * self.triangle_steps)
                 }
             }
         }

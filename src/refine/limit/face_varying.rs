@@ -89,6 +89,7 @@ fn decayed(step: &Step<'_>, own: Sibling, governing: Sibling, values: [Point; 3]
     }
     let mut sharpness: Vec<f32> = spokes.iter().map(|s| t.edge_sharpness(s.edge)).collect();
     let mut sigma = t.vertex_sharpness(v);
+    let mut dependent = own.kind == SiblingKind::Dependent;
     for _ in 0..MOST_STEPS {
         let (sum, count) = semi_sharp_sum(sharpness.iter().copied());
         let next: Vec<f32> = (sharpness.iter())
@@ -98,14 +99,16 @@ fn decayed(step: &Step<'_>, own: Sibling, governing: Sibling, values: [Point; 3]
         let mut transition = Transition::default();
         transition.note(sigma, next_sigma);
         let mut still = next_sigma > 0.0;
-        for i in 0..spokes.len() {
-            if inner[i] {
-                transition.note(sharpness[i], next[i]);
-            }
-            // A dependent one waits for all edges.
-            let counts = inner[i] || own.kind == SiblingKind::Dependent;
-            still |= counts && is_semi_sharp(next[i]);
+        for i in (0..spokes.len()).filter(|&i| inner[i]) {
+            transition.note(sharpness[i], next[i]);
+            still |= is_semi_sharp(next[i]);
         }
+        // A dependent one that is left to itself beside semi-sharp edges waits one step more, and then has no sharpness of its own.
+        if !still && dependent && next.iter().any(|&s| is_semi_sharp(s)) {
+            still = true;
+            inner.fill(false);
+        }
+        dependent &= inner.contains(&true);
         let curve = crease(&x, [a, b].iter());
         (a, b) = (midpoint(&x, &a), midpoint(&x, &b));
         if !still {
