@@ -116,8 +116,8 @@ impl Loader {
         name: &str,
         resolver: &mut dyn Resolver,
     ) -> Result<(), LoadError> {
-        let cage = self.read(bytes, name, resolver)?;
-        self.add_cage(cage, name, resolver)
+        let read = self.read(bytes, name, resolver)?;
+        self.add_cage(read.cage, name, resolver)
     }
 
     /// The first half of [`Loader::add_bytes`], for who times it: text to cage. Warnings are kept.
@@ -129,11 +129,11 @@ impl Loader {
         bytes: &[u8],
         name: &str,
         resolver: &mut dyn Resolver,
-    ) -> Result<Cage, LoadError> {
+    ) -> Result<obj::Read, LoadError> {
         let read = obj::read(bytes, name, resolver, &self.options.read)?;
         self.warnings
             .extend(read.warnings.iter().map(ToString::to_string));
-        Ok(read.cage)
+        Ok(read)
     }
 
     /// The second half: cage to surface, with its textures. All models of a scene share the origin of the first.

@@ -26,8 +26,9 @@ pub(crate) use patch::QuadPatch;
 /// How a cage is read as a surface. What is `None` comes from the cage's tags, else from the defaults.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SurfaceOptions {
-    /// Subdivision scheme; default Catmull-Clark.
-    pub scheme: Scheme,
+    /// Subdivision scheme; by default the cage's own ([`Tags::scheme`](crate::mesh::Tags)), else Loop where every face is a triangle, else
+    /// Catmull-Clark.
+    pub scheme: Option<Scheme>,
     /// Decay of semi-sharp creases; default uniform.
     pub creases: Option<CreaseMethod>,
     /// Weights beside triangles; default Catmull-Clark's own.
@@ -74,6 +75,7 @@ impl RefinedFans {
 pub struct Surface {
     cage: Cage,
     options: SurfaceOptions,
+    scheme: Scheme,
     /// The cage's connectivity, and its channels unless a control tree holds them.
     mesh: QuadMesh,
     uv: Option<QuadMesh>,
@@ -94,7 +96,7 @@ impl Surface {
     pub fn new(cage: Cage, options: &SurfaceOptions) -> Self {
         let tags = &cage.tags;
         let boundary = options.boundary.or(tags.boundary).unwrap_or_default();
-        let (base, warnings) = connect(
+        let (base, mut warnings) = connect(
             cage.points.len(),
             &cage.face_offsets,
             cage.corner_vertices.clone(),
@@ -109,10 +111,12 @@ impl Surface {
             .face_varying
             .or(tags.face_varying)
             .unwrap_or_default();
-        let linear = options.scheme == Scheme::Bilinear;
-        let triangles = options.scheme == Scheme::Loop;
+        let scheme = scheme_of(&cage, options, &mut warnings);
+        let linear = scheme == Scheme::Bilinear;
+        let triangles = scheme == Scheme::Loop;
         let mut surface = Self {
             options: *options,
+            scheme,
             mesh: QuadMesh::bare(base),
             uv: None,
             colors: None,
@@ -167,7 +171,7 @@ impl Surface {
         if self.linear || !(tagged || self.triangles) {
             return None;
         }
-        let level = refine::Level::<f64>::of_cage(cage, base.clone(), options.scheme, rule).ok()?;
+        let level = refine::Level::<f64>::of_cage(cage, base.clone(), self.scheme, rule).ok()?;
         let wide = |c: &[f32; 3]| c.map(f64::from);
         let colors: Vec<[f64; 3]> = cage.colors.iter().map(wide).collect();
         if base.all_quads() || self.triangles {
@@ -201,7 +205,7 @@ impl Surface {
     pub fn refine_options(&self) -> refine::Options {
         let (options, tags) = (&self.options, &self.cage.tags);
         refine::Options {
-            scheme: options.scheme,
+            scheme: self.scheme,
             creases: options.creases.or(tags.crease_method).unwrap_or_default(),
             triangles: options.triangles.or(tags.triangles).unwrap_or_default(),
         }
@@ -328,6 +332,11 @@ impl Surface {
     #[must_use]
     pub fn is_triangular(&self) -> bool {
         self.triangles
+    }
+    /// The scheme it is subdivided by.
+    #[must_use]
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
     }
     /// The cage.
     #[must_use]
@@ -508,6 +517,24 @@ impl Surface {
                 vec![Fans::Quads(Default::default(), fans)]
             }
         })
+    }
+}
+
+/// The scheme that a cage is drawn by. Schemes for triangles cannot take other faces; then it is Catmull-Clark, with a warning.
+fn scheme_of(cage: &Cage, options: &SurfaceOptions, warnings: &mut Vec<TopologyWarning>) -> Scheme {
+    let polygon = cage.first_polygon();
+    let wanted = options.scheme.or(cage.tags.scheme);
+    match (wanted, polygon) {
+        (Some(scheme), Some(face)) if scheme.is_triangular() => {
+            warnings.push(TopologyWarning::NotTriangles {
+                first: face,
+                corners: cage.face(face as usize).len() as u32,
+            });
+            Scheme::CatmullClark
+        }
+        (Some(scheme), _) => scheme,
+        (None, None) if cage.face_count() > 0 => Scheme::Loop,
+        (None, _) => Scheme::CatmullClark,
     }
 }
 

@@ -137,7 +137,7 @@ fn random_cages_agree_with_refinement_under_every_combination_of_rules() {
             let random = make(i);
             let case = &random.case;
             let options = SurfaceOptions {
-                scheme: case.options.scheme,
+                scheme: Some(case.options.scheme),
                 boundary: Some(case.boundary),
                 creases: Some(case.options.creases),
                 triangles: Some(case.options.triangles),

@@ -49,12 +49,12 @@ fn shapes(shared: &Path) -> Vec<Shape> {
     for line in table.lines().skip(1) {
         let columns: Vec<&str> = line.split('\t').collect();
         let options = SurfaceOptions {
-            scheme: match columns[1] {
+            scheme: Some(match columns[1] {
                 "catmull-clark" => Scheme::CatmullClark,
                 "bilinear" => Scheme::Bilinear,
                 "loop" => Scheme::Loop,
                 other => panic!("scheme {other}"),
-            },
+            }),
             boundary: Some(match columns[2] {
                 "none" => Boundary::None,
                 "edge-only" => Boundary::EdgeOnly,
@@ -118,7 +118,7 @@ fn shapes_agree_with_whole_mesh_refinement_and_share_their_edges() {
             }
             sum.add(worst);
             // Bilinear surfaces are creased along all edges: each face has its own normals.
-            if shape.options.scheme == Scheme::Bilinear {
+            if shape.options.scheme == Some(Scheme::Bilinear) {
                 continue;
             }
             let (differ, compared) = edges::compare(&surface, &view, level, DiceFault::None);

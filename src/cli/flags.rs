@@ -101,6 +101,10 @@ pub(crate) struct ModelFlags {
     /// Subdivision scheme
     #[arg(long, value_enum, default_value = "auto")]
     pub(crate) scheme: Scheme,
+    /// For --scheme loop and butterfly, make triangles of the model's faces first: quads along their shorter diagonal, others as fans; tags
+    /// and texture coordinates are kept. `refine` then writes triangles under any scheme
+    #[arg(long)]
+    pub(crate) triangulate: bool,
     /// Boundary rule [default: the file's, else edge-and-corner]
     #[arg(long, value_enum)]
     pub(crate) boundary: Option<Boundary>,
@@ -160,7 +164,7 @@ impl ModelFlags {
                 Triangles::Catmark => scheme::TriangleRule::Catmark,
                 Triangles::Smooth => scheme::TriangleRule::Smooth,
             }),
-            scheme: self.named_scheme().unwrap_or_default(),
+            scheme: self.named_scheme(),
             boundary: self.boundary.map(|b| match b {
                 Boundary::None => scheme::Boundary::None,
                 Boundary::EdgeOnly => scheme::Boundary::EdgeOnly,

@@ -115,13 +115,6 @@ impl Job {
         models: &[PathBuf],
         flags: &ModelFlags,
     ) -> Result<Scene, Failure> {
-        let scheme = flags.named_scheme().unwrap_or_default();
-        if scheme.is_triangular() || scheme.is_interpolating() {
-            return Err(Failure::usage(format!(
-                "--scheme {0}: not drawn yet; `earmark refine --scheme {0}` writes the mesh",
-                scheme_name(scheme)
-            )));
-        }
         watch::phase(Phase::Reading);
         let mut loader = Loader::new(LoadOptions {
             surface: flags.surface(),
@@ -135,7 +128,8 @@ impl Job {
                 if let Some(left) = job.memory_left() {
                     loader.options_mut().read.max_bytes = left;
                 }
-                let cage = loader.read(&bytes, &name, resolver.as_mut())?;
+                let read = loader.read(&bytes, &name, resolver.as_mut())?;
+                let cage = suitable(read, &bytes, &name, flags, flags.triangulate)?.cage;
                 Ok::<_, Failure>((cage, name, resolver))
             })?;
             self.limits().check()?;
@@ -143,7 +137,7 @@ impl Job {
                 "{name}: {} faces, {} vertices; scheme {}",
                 cage.face_count(),
                 cage.points().len(),
-                scheme_name(scheme)
+                scheme_name(flags.scheme_of(&cage))
             ));
             if let Some(left) = self.memory_left() {
                 loader.options_mut().max_surface = left;
@@ -178,25 +172,7 @@ impl Job {
                 options.max_bytes = left;
             }
             let read = obj::read(&bytes, &name, resolver.as_mut(), &options)?;
-            let triangular = flags.named_scheme().filter(|s| s.is_triangular());
-            match (triangular, read.cage.first_polygon()) {
-                (Some(scheme), Some(f)) if !any_faces => {
-                    let place = match obj::line_of_face(&bytes, &read.report, f) {
-                        Some(line) => format!("{name}:{line}: this face"),
-                        None => format!("{name}: face {f} (0-based)"),
-                    };
-                    Err(Failure::new(
-                        Code::Data,
-                        format!(
-                            "{place} has {} corners, and --scheme {} takes triangles only; refine --triangulate makes triangles of \
-                             all faces",
-                            read.cage.face(f as usize).len(),
-                            scheme_name(scheme)
-                        ),
-                    ))
-                }
-                _ => Ok(read),
-            }
+            suitable(read, &bytes, &name, flags, any_faces)
         })
     }
 
@@ -241,6 +217,39 @@ impl Job {
             .into_iter()
             .map(|(k, v)| (k.to_owned(), v))
             .collect()
+    }
+}
+
+/// The same, with triangles in place of all faces where the scheme of the flags takes triangles only; finding others is an error unless
+/// `any_faces`.
+fn suitable(
+    mut read: obj::Read,
+    bytes: &[u8],
+    name: &str,
+    flags: &ModelFlags,
+    any_faces: bool,
+) -> Result<obj::Read, Failure> {
+    let triangular = flags.named_scheme().filter(|s| s.is_triangular());
+    match (triangular, read.cage.first_polygon()) {
+        (Some(scheme), Some(f)) if !any_faces => {
+            let place = match obj::line_of_face(bytes, &read.report, f) {
+                Some(line) => format!("{name}:{line}: this face"),
+                None => format!("{name}: face {f} (0-based)"),
+            };
+            Err(Failure::new(
+                Code::Data,
+                format!(
+                    "{place} has {} corners, and --scheme {} takes triangles only; --triangulate makes triangles of all faces",
+                    read.cage.face(f as usize).len(),
+                    scheme_name(scheme)
+                ),
+            ))
+        }
+        (Some(_), Some(_)) => {
+            read.cage = read.cage.triangulated();
+            Ok(read)
+        }
+        _ => Ok(read),
     }
 }
 

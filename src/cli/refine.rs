@@ -31,10 +31,6 @@ pub(crate) struct Arguments {
     /// Write limit positions and unit limit normals in place of control points
     #[arg(long)]
     pub(crate) limit: bool,
-    /// Write triangles; for --scheme loop and butterfly, make triangles of the model's faces before refinement: quads along their shorter
-    /// diagonal, others as fans. Tags and texture coordinates are kept
-    #[arg(long)]
-    pub(crate) triangulate: bool,
     /// Also write the stencils: for every point of the mesh the weights of the cage's points, with --limit also those of two tangents.
     /// A .json file is text, any other bytes, little-endian: "EARSTEN1"; cage points, rows, entries, weights per entry (1, or 3 with
     /// tangents) as u64; offsets of rows (u64, one more than rows), cage points of entries (u32), weights of entries (f32): all of the
@@ -79,7 +75,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         Some(stencils) => Some(stencils_output(stencils, a, &inputs)?),
         None => None,
     };
-    let mut read = job.read_cage(path, &a.model, a.triangulate)?;
+    let mut read = job.read_cage(path, &a.model, a.model.triangulate)?;
     for w in &read.warnings {
         warning(&w.to_string());
     }
@@ -135,7 +131,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
             face_varying: rule,
             triangles: options.triangles,
         }),
-        triangulate: a.triangulate,
+        triangulate: a.model.triangulate,
         holes: a.keep_holes,
     };
     let ply = a

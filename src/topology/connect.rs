@@ -50,6 +50,13 @@ pub enum TopologyWarning {
         /// The first one.
         first: u32,
     },
+    /// Faces with more corners than a scheme for triangles can take; the surface is Catmull-Clark's instead.
+    NotTriangles {
+        /// The first face.
+        first: u32,
+        /// Its corners.
+        corners: u32,
+    },
     /// Creases between vertices that no edge joins.
     NoSuchEdge {
         /// How many.
@@ -84,6 +91,12 @@ impl std::fmt::Display for TopologyWarning {
                 write!(
                     f,
                     "{count} vertices where separate fans of faces meet, taken as sharp corners (first: vertex {first}, 0-based)"
+                )
+            }
+            Self::NotTriangles { first, corners } => {
+                write!(
+                    f,
+                    "face {first} (0-based) has {corners} corners, and the scheme takes triangles only; drawn by Catmull-Clark"
                 )
             }
             Self::NoSuchEdge {
