@@ -378,6 +378,8 @@ fn time_quads(level: u32) -> [f64; 2] {
         topology: &t,
         points: &points,
         fans: &fans,
+        below: None,
+        linear: false,
     };
     let mut patch = FacePatch::default();
     patch.simd = Level::detect();
