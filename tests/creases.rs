@@ -5,7 +5,6 @@ mod common;
 mod edges;
 #[path = "common/oracle.rs"]
 mod oracle;
-#[allow(dead_code, unreachable_pub)]
 mod support;
 
 use earmark::dice::DiceFault;

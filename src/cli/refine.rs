@@ -75,15 +75,11 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         Some(stencils) => Some(stencils_output(stencils, a, &inputs)?),
         None => None,
     };
-    let mut read = job.read_cage(path, &a.model, a.model.triangulate)?;
+    let read = job.read_cage(path, &a.model, a.model.triangulate)?;
     for w in &read.warnings {
         warning(&w.to_string());
     }
     let scheme = a.model.scheme_of(&read.cage);
-    // Schemes on triangles get them before refinement, the others' faces are split as they are written.
-    if scheme.is_triangular() && read.cage.first_polygon().is_some() {
-        read.cage = read.cage.triangulated();
-    }
     let cage = &read.cage;
     let (topology, warnings) = job.time("connect", |_| a.model.connect(cage));
     for w in &warnings {

@@ -13,10 +13,6 @@ pub(crate) mod presplit;
 mod regular;
 #[cfg(test)]
 mod tests;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "surfaces do not dice triangles yet")
-)]
 pub(crate) mod triangle;
 mod window;
 

@@ -9,7 +9,7 @@ use super::super::basis::Target;
 use super::super::face::Sides;
 use super::fans::TriangleFans;
 use super::patch::{Dot, SidePlace, TriangleChannel, TrianglePatch};
-use super::piece::Place;
+use super::place::Place;
 use crate::topology::{NONE, Topology};
 
 /// One control level of a channel.

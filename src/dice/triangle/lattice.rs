@@ -2,8 +2,8 @@
 
 use super::super::point::P4;
 use super::basis::OFFSETS;
-use super::piece::Net12;
 use super::ring::{Hexagon, Near, edge_point, vertex_point};
+use super::tensor::Net12;
 
 /// The neighbours of a lattice point, counter-clockwise.
 const DIRECTIONS: [[i32; 2]; 6] = [[1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]];

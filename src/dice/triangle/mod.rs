@@ -13,9 +13,11 @@ mod fans;
 mod lattice;
 mod patch;
 mod piece;
+mod place;
 mod ring;
 mod side;
 mod small;
+mod tensor;
 #[cfg(test)]
 mod tests;
 

@@ -7,13 +7,15 @@
 
 use super::super::basis::Target;
 use super::super::edge::{EdgeSamples, Samples, sample_boundary};
-use super::super::face::{DiceFault, FacePatch, Sides};
+use super::super::face::{DiceFault, Sides};
 use super::super::point::P4;
 use super::fans::TriangleFans;
 use super::lattice::Lattice;
-use super::piece::{Net12, Piece, Place, Range};
+use super::piece::{Piece, Range};
+use super::place::Place;
 use super::ring::{Hexagon, Near, Window, is_regular, next, prev};
 use super::side::{Strip, irregular_half, regular_half};
+use super::tensor::Net12;
 use crate::dispatch;
 use crate::records::Grid3;
 use crate::simd::Level;
@@ -96,6 +98,7 @@ impl Default for TrianglePatch {
 
 impl TrianglePatch {
     /// Prepares triangle `face` at `level`. Without `sides` (texture coordinates) all points come from the pieces.
+    #[cfg(test)]
     pub(crate) fn prepare(
         &mut self,
         channel: TriangleChannel<'_>,
@@ -328,7 +331,7 @@ impl TrianglePatch {
         self.fault == DiceFault::OwnDirection || t.vertex(h) < t.vertex(next(h))
     }
 
-    /// Dices block (`bu`, `bv`), of the size that [`FacePatch::block_size`] says; `bv` is at most `bu`.
+    /// Dices block (`bu`, `bv`), of the size of a quad's blocks; `bv` is at most `bu`.
     pub(crate) fn dice(
         &self,
         bu: u32,
@@ -431,11 +434,6 @@ impl TrianglePatch {
                 out(dot.point);
             }
         }
-    }
-
-    /// Number of blocks along each side of the grid; those with `bv` above `bu` are empty.
-    pub(crate) fn blocks_per_side(level: u32) -> u32 {
-        FacePatch::blocks_per_side(level)
     }
 }
 

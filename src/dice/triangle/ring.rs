@@ -18,7 +18,7 @@ pub(super) fn next(h: u32) -> u32 {
 /// The half-edge before `h`.
 #[inline]
 pub(super) fn prev(h: u32) -> u32 {
-    if h % 3 == 0 { h + 2 } else { h - 1 }
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
 /// The next outgoing half-edge counter-clockwise, or [`NONE`].

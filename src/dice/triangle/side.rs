@@ -11,8 +11,8 @@ use super::super::edge::{EdgeSamples, Samples};
 use super::super::point::P4;
 use super::super::regular::{LANES, LINE, Line, unit_cross, weigh3};
 use super::basis::{Bernstein, expansion};
-use super::piece::{Net12, differences, expand_row, fallback, step_across, weigh5};
 use super::ring::{Hexagon, Near, edge_point, vertex_point};
+use super::tensor::{Net12, differences, expand_row, fallback, step_across, weigh5};
 use crate::dispatch;
 
 /// The net of a triangle on the left of the edge, which runs from its corner 0 to corner 1; the two points that the edge does not

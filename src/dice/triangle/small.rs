@@ -4,7 +4,7 @@
 use super::super::basis::Target;
 use super::super::regular::{LANES, LINE, Line, unit_cross};
 use super::basis::point_weights;
-use super::piece::Net12;
+use super::tensor::Net12;
 use std::sync::OnceLock;
 
 /// Deepest level whose points fit into one line of the kernels: 45 of 48.
