@@ -82,6 +82,8 @@ pub struct Surface {
     colors: Option<VertexChannel>,
     /// All channels of a cage with creases or corners.
     control: Option<Box<ControlTree>>,
+    /// Of the tree of a cage that is split first: the vertex of the split mesh that each vertex is.
+    split_vertices: Vec<u32>,
     linear: bool,
     linear_uv: bool,
     /// Whether faces are triangles, under Loop's scheme.
@@ -121,6 +123,7 @@ impl Surface {
             uv: None,
             colors: None,
             control: None,
+            split_vertices: Vec::new(),
             linear,
             linear_uv: linear || rule == FaceVaryingRule::All,
             triangles,
@@ -162,7 +165,7 @@ impl Surface {
     }
 
     /// The control tree of a cage whose sharpness or triangle rule asks for one.
-    fn control_tree(&self, rule: FaceVaryingRule) -> Option<ControlTree> {
+    fn control_tree(&mut self, rule: FaceVaryingRule) -> Option<ControlTree> {
         let (cage, base) = (&self.cage, &self.mesh.base);
         let options = self.refine_options();
         let tagged = !base.edge_sharpness.is_empty()
@@ -197,6 +200,7 @@ impl Surface {
             true => colors,
             false => part.vertices.iter().map(|&v| colors[v as usize]).collect(),
         };
+        self.split_vertices = part.vertices;
         Some(ControlTree::new(part.level, colors, options))
     }
 
@@ -320,7 +324,17 @@ impl Surface {
         }
         self.cage.points.copy_from_slice(points);
         if self.control.is_some() {
-            self.control = self.control_tree(self.face_varying_rule()).map(Box::new);
+            let options = self.refine_options();
+            let mut wide: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
+            if self.is_split() {
+                let all = refine::next_points(&self.mesh.base, &options, &wide);
+                wide = (self.split_vertices.iter())
+                    .map(|&v| all[v as usize])
+                    .collect();
+            }
+            if let Some(control) = &mut self.control {
+                control.update(wide);
+            }
         } else {
             self.mesh.update(points, true);
         }

@@ -149,3 +149,37 @@ fn random_cages_agree_with_refinement_under_every_combination_of_rules() {
         println!("creases: {COUNT} random cages {sum:?}");
     }
 }
+
+#[test]
+fn moved_points_leave_nothing_of_the_old_ones() {
+    for i in (0..COUNT).step_by(5) {
+        for random in [random_cage(i), random_triangles(i)] {
+            let case = &random.case;
+            let options = SurfaceOptions {
+                scheme: Some(case.options.scheme),
+                boundary: Some(case.boundary),
+                creases: Some(case.options.creases),
+                ..SurfaceOptions::default()
+            };
+            let mut moved = Surface::new(read(&random.obj), &options);
+            let first: Vec<_> = (0..moved.quads().face_count() as u32)
+                .map(|q| moved.dice(q, 3))
+                .collect();
+            let points: Vec<[f32; 3]> = (moved.cage().points().iter())
+                .map(|&[x, y, z]| [x + 0.25 * z, y - x * y, z * z + 0.5 * x])
+                .collect();
+            moved.update_points(&points).unwrap();
+            let text = random.obj.lines().filter(|l| !l.starts_with("v "));
+            let mut obj: String = (points.iter())
+                .map(|[x, y, z]| format!("v {x:?} {y:?} {z:?}\n"))
+                .collect();
+            text.for_each(|l| writeln!(obj, "{l}").unwrap());
+            let fresh = Surface::new(read(&obj), &options);
+            for (q, first) in first.iter().enumerate() {
+                let (a, b) = (moved.dice(q as u32, 3), fresh.dice(q as u32, 3));
+                assert_eq!(a, b, "random cage {i}, quad {q}");
+                assert_ne!(a.points, first.points, "random cage {i}, quad {q}");
+            }
+        }
+    }
+}

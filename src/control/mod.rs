@@ -26,6 +26,16 @@ pub(crate) enum Fans {
 }
 
 impl Fans {
+    /// Evaluates anew at other points; masks stay.
+    fn update(&mut self, t: &Topology, points: &[[f32; 3]]) {
+        match self {
+            Self::Quads(masks, fans) => *fans = FanPoints::new(t, masks, points, None, true),
+            Self::Triangles(masks, fans) => {
+                *fans = TriangleFans::new(t, masks, points, None, true);
+            }
+        }
+    }
+
     fn new(t: &Topology, points: &[[f32; 3]], normals: bool) -> Self {
         if is_triangular(t) {
             let masks = TriangleMasks::new(t);
@@ -111,6 +121,8 @@ struct ControlLevel {
     rules: VertexRules,
     /// Vertices of the level above whose children are this level's first vertices, in order.
     above: Vec<u32>,
+    /// The part of the level above that this level was refined from; nothing for the first level.
+    from: Topology,
     /// Colours of the vertices; empty without.
     colors: Vec<[f64; 3]>,
     /// First child of every face in the next level, or [`NONE`] where the face is not refined.
@@ -158,6 +170,24 @@ impl ControlTree {
     /// The first level's channels.
     pub(crate) fn root(&self, kind: Kind) -> Option<&ChannelMesh> {
         self.root.channel(kind)
+    }
+
+    /// Moves the points of the first level. The levels below that are there already get theirs by the same connectivity.
+    pub(crate) fn update(&mut self, points: Vec<[f64; 3]>) {
+        self.root.set_points(points, &self.options);
+        for depth in 0..self.deeper.len() {
+            let Some(Some(mut below)) = self.deeper[depth].take() else {
+                break;
+            };
+            if let Some(parent) = self.level(depth as u32) {
+                let part: Vec<[f64; 3]> = (below.above.iter())
+                    .map(|&v| parent.level.points[v as usize])
+                    .collect();
+                let points = refine::next_points(&below.from, &self.options, &part);
+                below.set_points(points, &self.options);
+            }
+            self.deeper[depth] = OnceLock::from(Some(below));
+        }
     }
 
     /// Makes the levels that dicing at `level` needs.
@@ -355,6 +385,7 @@ impl ControlLevel {
         Self {
             rules,
             above,
+            from: Topology::default(),
             colors,
             children,
             parents,
@@ -364,6 +395,16 @@ impl ControlLevel {
             tips: OnceLock::new(),
             level,
         }
+    }
+
+    /// Moves the points; everything that follows from them is made anew, everything else stays.
+    fn set_points(&mut self, points: Vec<[f64; 3]>, options: &refine::Options) {
+        self.points.points = narrow(&points);
+        self.level.points = points;
+        self.points
+            .fans
+            .update(&self.points.topology, &self.points.points);
+        tips::set_feature_limits(&self.level, &self.rules, options, &mut self.points);
     }
 
     fn channel(&self, kind: Kind) -> Option<&ChannelMesh> {
@@ -386,7 +427,9 @@ impl ControlLevel {
         let owned: Vec<bool> = (self.parents.iter())
             .flat_map(|&(f, _)| [self.children[f as usize] != NONE; 4])
             .collect();
-        Some(Self::new(level, part.vertices, colors, &owned, options))
+        let mut below = Self::new(level, part.vertices, colors, &owned, options);
+        below.from = part.level.topology;
+        Some(below)
     }
 
     fn next_colors(

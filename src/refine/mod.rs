@@ -310,6 +310,16 @@ fn fill<P: Send>(out: &mut [P], of: impl Fn(u32) -> P + Sync) {
         .for_each(|(i, p)| *p = of(i as u32));
 }
 
+/// Points of the level after a mesh of connectivity `topology` at `points`.
+pub(crate) fn next_points<T: Real>(
+    topology: &Topology,
+    options: &Options,
+    points: &[[T; 3]],
+) -> Vec<[T; 3]> {
+    let step = sharpness::Step::new(topology, options);
+    channels::next_values(&step, points, &mut Timings::default())
+}
+
 fn timed<R>(total: &mut Duration, work: impl FnOnce() -> R) -> R {
     let start = Instant::now();
     let result = work();
