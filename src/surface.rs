@@ -502,6 +502,27 @@ impl Surface {
         out
     }
 
+    /// Control data of the quads.
+    #[inline]
+    pub(crate) fn channel(&self) -> Channel<'_> {
+        Channel {
+            topology: self.mesh.quads(),
+            points: &self.mesh.points,
+            fans: &self.mesh.fans,
+        }
+    }
+
+    /// The same of the texture coordinates, and whether they are bilinear in each quad.
+    pub(crate) fn uv_channel(&self) -> Option<(Channel<'_>, bool)> {
+        let uv = self.uv.as_ref()?;
+        let channel = Channel {
+            topology: uv.quads(),
+            points: &uv.points,
+            fans: &uv.fans,
+        };
+        Some((channel, self.linear_uv))
+    }
+
     /// Limit of the texture coordinates at corner `h` of the quad mesh.
     pub(crate) fn uv_limit(&self, h: u32) -> Option<[f32; 3]> {
         self.corner_limit(Kind::Uvs, h)

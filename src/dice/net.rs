@@ -1,12 +1,12 @@
 //! Nets of control points around a quad: gathered, filled up beyond boundaries, refined, and turned to a corner's view.
 
 use super::edge::Strip;
-use super::point::P4;
+use super::point::{P4, Point};
 use super::window::{Near, Window, edge_point, face_point, vertex_point};
 use crate::topology::{FanRule, NONE, Topology};
 
 /// A square of control points, row by row.
-pub(super) type Net<const N: usize> = [[P4; N]; N];
+pub(super) type Net<const N: usize, P = P4> = [[P; N]; N];
 
 /// The 16 control points of a regular quad; phantoms `2a − b` stand where a boundary leaves a row or column out.
 pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
@@ -44,21 +44,21 @@ pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
 }
 
 /// Fills the rows and columns beyond the sides that are open; columns first, so that at a corner of two open sides both agree.
-pub(super) fn fill_phantoms<const N: usize>(net: &mut Net<N>, open: [bool; 4]) {
+pub(super) fn fill_phantoms<const N: usize, P: Point>(net: &mut Net<N, P>, open: [bool; 4]) {
     let last = N - 1;
     for row in net.iter_mut() {
         if open[3] {
-            row[0] = P4::beyond(row[1], row[2]);
+            row[0] = P::beyond(row[1], row[2]);
         }
         if open[1] {
-            row[last] = P4::beyond(row[last - 1], row[last - 2]);
+            row[last] = P::beyond(row[last - 1], row[last - 2]);
         }
     }
     if open[0] {
-        net[0] = std::array::from_fn(|c| P4::beyond(net[1][c], net[2][c]));
+        net[0] = std::array::from_fn(|c| P::beyond(net[1][c], net[2][c]));
     }
     if open[2] {
-        net[last] = std::array::from_fn(|c| P4::beyond(net[last - 1][c], net[last - 2][c]));
+        net[last] = std::array::from_fn(|c| P::beyond(net[last - 1][c], net[last - 2][c]));
     }
 }
 
@@ -73,7 +73,7 @@ pub(super) fn side_strip(net: &Net<4>, c: usize) -> Strip {
 }
 
 /// The net seen from corner `c`: its outgoing side becomes the bottom row.
-pub(super) fn turn<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
+pub(super) fn turn<const N: usize, P: Point>(net: &Net<N, P>, c: usize) -> Net<N, P> {
     let m = N - 1;
     std::array::from_fn(|t| {
         std::array::from_fn(|s| match c {
@@ -86,7 +86,7 @@ pub(super) fn turn<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
 }
 
 /// Inverse of [`turn`].
-pub(super) fn turn_back<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
+pub(super) fn turn_back<const N: usize, P: Point>(net: &Net<N, P>, c: usize) -> Net<N, P> {
     turn(net, (4 - c) % 4)
 }
 
@@ -121,13 +121,13 @@ pub(super) fn regular_vertex(w: &Window, rule: FanRule) -> P4 {
 }
 
 /// The 5×5 net after one step around a quad, from the windows of its corners at depth 1. Points beyond irregular corners stay zero.
-pub(super) fn once_refined(w: &[Near; 4], regular: [bool; 4]) -> Net<5> {
-    let mut net = [[P4::ZERO; 5]; 5];
+pub(super) fn once_refined<P: Point>(w: &[Near<P>; 4], regular: [bool; 4]) -> Net<5, P> {
+    let mut net = [[P::ZERO; 5]; 5];
     net[2][2] = w[0].f(0);
     let mut open = [false; 4];
     for c in 0..4 {
         // Seen from corner c, written back to the face's own places.
-        let mut put = |row: usize, col: usize, p: P4| {
+        let mut put = |row: usize, col: usize, p: P| {
             let (r, k) = match c {
                 0 => (row, col),
                 1 => (col, 4 - row),
@@ -156,9 +156,9 @@ pub(super) fn once_refined(w: &[Near; 4], regular: [bool; 4]) -> Net<5> {
 }
 
 /// One step of the net around an irregular corner at `node[1][1]`; `w` is the corner's window after the step.
-pub(super) fn refine_node(node: &Net<4>, w: &Near) -> Net<5> {
+pub(super) fn refine_node<P: Point>(node: &Net<4, P>, w: &Near<P>) -> Net<5, P> {
     let n = node;
-    let mut out = [[P4::ZERO; 5]; 5];
+    let mut out = [[P::ZERO; 5]; 5];
     let face = |r: usize, c: usize| face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c]);
     let vertex = |r: usize, c: usize| {
         vertex_point(std::array::from_fn(|i| {

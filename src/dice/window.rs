@@ -7,7 +7,7 @@
 //! bits seen from every face around the vertex.
 
 use super::basis::MAX_LEVEL;
-use super::point::P4;
+use super::point::{P4, Point};
 use crate::topology::{NONE, Topology};
 
 /// Most sectors to either side: one for every step, one for the net, one to spare for the rows opposite an edge.
@@ -155,32 +155,55 @@ impl Window {
 
 /// The five sectors around the own one, kept from a window of some depth.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Near {
-    pub(crate) v: P4,
-    edges: [P4; 6],
-    faces: [P4; 5],
+pub(crate) struct Near<P = P4> {
+    pub(crate) v: P,
+    edges: [P; 6],
+    faces: [P; 5],
     left: i32,
     right: i32,
 }
 
-impl Near {
+impl<P: Point> Near<P> {
     pub(crate) const EMPTY: Self = Self {
-        v: P4::ZERO,
-        edges: [P4::ZERO; 6],
-        faces: [P4::ZERO; 5],
+        v: P::ZERO,
+        edges: [P::ZERO; 6],
+        faces: [P::ZERO; 5],
         left: 0,
         right: 0,
     };
 
+    /// Sectors `-left … right` as `edge` and `face` give them; at most two to either side.
+    #[inline(always)]
+    pub(crate) fn from_fn(
+        v: P,
+        left: i32,
+        right: i32,
+        edge: impl Fn(i32) -> P,
+        face: impl Fn(i32) -> P,
+    ) -> Self {
+        let mut near = Self {
+            v,
+            left: left.min(2),
+            right: right.min(2),
+            ..Self::EMPTY
+        };
+        for i in -near.left..=near.right {
+            near.edges[(i + 2) as usize] = edge(i);
+            near.faces[(i + 2) as usize] = face(i);
+        }
+        near.edges[(near.right + 3) as usize] = edge(near.right + 1);
+        near
+    }
+
     /// Ring edge `i`; present for `-left ≤ i ≤ right + 1`, at most from −2 to 3.
     #[inline]
-    pub(crate) fn e(&self, i: i32) -> P4 {
+    pub(crate) fn e(&self, i: i32) -> P {
         debug_assert!(-self.left <= i && i <= self.right + 1);
         self.edges[(i + 2) as usize]
     }
     /// Face corner `i`; present for `-left ≤ i ≤ right`, at most from −2 to 2.
     #[inline]
-    pub(crate) fn f(&self, i: i32) -> P4 {
+    pub(crate) fn f(&self, i: i32) -> P {
         debug_assert!(self.has(i));
         self.faces[(i + 2) as usize]
     }
@@ -193,19 +216,19 @@ impl Near {
 
 /// Centroid of the quad a, b, c, d.
 #[inline(always)]
-pub(crate) fn face_point(a: P4, b: P4, c: P4, d: P4) -> P4 {
+pub(crate) fn face_point<P: Point>(a: P, b: P, c: P, d: P) -> P {
     ((a + c) + (b + d)) * 0.25
 }
 
 /// Smooth edge point of edge a–b between the face points f and g.
 #[inline(always)]
-pub(crate) fn edge_point(a: P4, b: P4, f: P4, g: P4) -> P4 {
+pub(crate) fn edge_point<P: Point>(a: P, b: P, f: P, g: P) -> P {
     ((a + b) + (f + g)) * 0.25
 }
 
 /// Smooth point of a valence-4 vertex in the middle of a 3×3 net.
 #[inline(always)]
-pub(crate) fn vertex_point(n: [[P4; 3]; 3]) -> P4 {
+pub(crate) fn vertex_point<P: Point>(n: [[P; 3]; 3]) -> P {
     let corners = (n[0][0] + n[2][2]) + (n[0][2] + n[2][0]);
     let sides = (n[0][1] + n[2][1]) + (n[1][0] + n[1][2]);
     (n[1][1] * 36.0 + sides * 6.0 + corners) * (1.0 / 64.0)

@@ -1,0 +1,443 @@
+//! The limit surface at any parameter: [`Surface::evaluate`] for one point, [`FaceEvaluator`] for many on a face,
+//! [`Surface::evaluate_many`] for many anywhere.
+//!
+//! # Parameters
+//!
+//! A place is a face of the cage and two numbers (u, v).
+//!
+//! * **Quads**: u and v from 0 to 1; corner 0 lies at (0, 0), corner 1 at (1, 0), corner 2 at (1, 1), corner 3 at (0, 1).
+//! * **Polygons of n ≠ 4 corners**: u from 0 to n and v from 0 to 1. The polygon is n quads, one at each corner k, which has its own
+//!   corner 0 there and its corner 2 in the middle of the polygon; u = k + s stands for (s, v) in that quad, so s runs along the
+//!   polygon's side k as far as its middle, and v along side k − 1, backwards. u = n is the end of the last quad.
+//!
+//! Derivatives are by these u and v. Schemes of triangles take barycentric coordinates instead: (u, v, 1 − u − v) are the weights of
+//! corners 1, 2 and 0.
+//!
+//! # Where derivatives do not exist
+//!
+//! At a vertex of another valence than 4 (on a boundary, of other than 2 faces), derivatives by u and v tend to nothing or to no end, and
+//! second derivatives have no limit. Right at such a corner, and nearer than 2⁻⁴⁰ to it, a sample holds the limit point and the limit
+//! normal of the vertex, and as `du` and `dv` the tangents along the two sides with lengths in the vertex' natural parameters: those of
+//! the flat star of n equal sectors whose spokes come closest to the ring (Stam 1998). For 4 sectors that is the derivative itself.
+//! `second` is `None` there. At corners that stay where they are (of several faces), `du` and `dv` are the sides of the control quad. Everywhere else, however close, the
+//! derivatives are those of the surface.
+
+use crate::dice::evaluate::{Jet, Place as Found, QuadEvaluator};
+use crate::dice::face::Channel;
+use crate::surface::Surface;
+use rayon::prelude::*;
+use std::cell::RefCell;
+
+mod sample;
+
+pub use sample::{Evaluated, Sample, SecondDerivatives, Tangents};
+use sample::sealed::Asked;
+
+/// A face of the cage and a parameter on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Face of the cage.
+    pub face: u32,
+    /// First parameter.
+    pub u: f32,
+    /// Second parameter.
+    pub v: f32,
+}
+
+/// Why a batch was not evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluateError {
+    /// There is no such face, or the parameter is not on it.
+    #[error("place {index} is not on the surface")]
+    NoSuchPlace {
+        /// The first such place.
+        index: usize,
+    },
+    /// The output does not hold as many samples as wanted.
+    #[error("room for {got} samples, {wanted} wanted")]
+    WrongCount {
+        /// Length of the output.
+        got: usize,
+        /// Samples wanted.
+        wanted: usize,
+    },
+}
+
+/// A place in the quad mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Local {
+    pub(crate) quad: u32,
+    pub(crate) u: f32,
+    pub(crate) v: f32,
+    /// The quad is seen from this corner of the face, at this scale.
+    turned: usize,
+    scale: f32,
+}
+
+impl Local {
+    /// A place in a quad that is its own face.
+    pub(crate) fn quad(quad: u32, u: f32, v: f32) -> Self {
+        Self {
+            quad,
+            u,
+            v,
+            turned: 0,
+            scale: 1.0,
+        }
+    }
+
+    /// What was found in the quad, by the parameters of the face.
+    #[inline(always)]
+    pub(crate) fn outer<const ORDER: u32>(&self, jet: Jet) -> Jet {
+        if self.scale == 1.0 {
+            return jet;
+        }
+        jet.scaled::<ORDER>(self.scale)
+            .turned::<ORDER>(self.turned)
+    }
+}
+
+/// The child of `corner` of a quad that is split once.
+fn child(first: u32, u: f32, v: f32) -> Local {
+    let (corner, [s, t]) = match (u >= 0.5, v >= 0.5) {
+        (false, false) => (0, [u, v]),
+        (true, false) => (1, [v, 1.0 - u]),
+        (true, true) => (2, [1.0 - u, 1.0 - v]),
+        (false, true) => (3, [1.0 - v, u]),
+    };
+    Local {
+        quad: first + corner as u32,
+        u: 2.0 * s,
+        v: 2.0 * t,
+        turned: corner,
+        scale: 2.0,
+    }
+}
+
+impl Surface {
+    #[inline]
+    fn locate(&self, face: u32, u: f32, v: f32) -> Option<Local> {
+        let unit = 0.0..=1.0;
+        // What is not a number is in no range.
+        if face as usize >= self.topology().face_count() || !unit.contains(&v) {
+            return None;
+        }
+        if !self.is_split() {
+            return unit.contains(&u).then_some(Local::quad(face, u, v));
+        }
+        let halves = self.topology().face_halves(face);
+        let n = halves.len() as u32;
+        if n == 4 {
+            return unit.contains(&u).then(|| child(halves.start, u, v));
+        }
+        let k = (0.0..=n as f32)
+            .contains(&u)
+            .then(|| (u as u32).min(n - 1))?;
+        let u = (u - k as f32).min(1.0);
+        Some(Local::quad(halves.start + k, u, v))
+    }
+
+    /// The limit surface at a place of face `face` of the cage (see the [module](crate::evaluate) for parameters): position, normal, first
+    /// and second derivatives. `None` when there is no such face, or (`u`, `v`) is not on it. Holes have a surface too.
+    ///
+    /// ```
+    /// # use earmark::{Cage, Surface};
+    /// let corners = (0..9).flat_map(|q| [0, 1, 5, 4].map(|k| q / 3 * 4 + q % 3 + k)).collect();
+    /// let points = (0..16).map(|k| [(k % 4) as f32, (k / 4) as f32, 0.0]).collect();
+    /// let surface = Surface::new(Cage::new(points, &[4; 9], corners)?, &Default::default());
+    /// let sample = surface.evaluate(4, 0.25, 0.5).unwrap();
+    /// assert_eq!(sample.normal, [0.0, 0.0, 1.0]);
+    /// assert!((sample.position[0] - 1.25).abs() < 1e-6 && (sample.du[0] - 1.0).abs() < 1e-6);
+    /// # Ok::<(), earmark::mesh::CageError>(())
+    /// ```
+    #[must_use]
+    pub fn evaluate(&self, face: u32, u: f32, v: f32) -> Option<Sample> {
+        self.evaluate_as(face, u, v)
+    }
+
+    /// As [`Surface::evaluate`], with only as much as `S` holds: [`Sample`], [`Tangents`] or a position `[f32; 3]`.
+    #[must_use]
+    pub fn evaluate_as<S: Evaluated>(&self, face: u32, u: f32, v: f32) -> Option<S> {
+        thread_local! {
+            /// Keeps its memory from one place to the next.
+            static QUAD: RefCell<QuadEvaluator> = RefCell::default();
+        }
+        let local = self.locate(face, u, v)?;
+        let channel = self.channel();
+        Some(QUAD.with_borrow_mut(|quad| {
+            quad.prepare(channel, local.quad);
+            S::evaluate(Asked {
+                quad,
+                channel,
+                at: local,
+            })
+        }))
+    }
+
+    /// Evaluates many places, on all threads. Places on the same face are cheaper, wherever in the list they stand. The result does not
+    /// depend on the number of threads, and is that of [`Surface::evaluate_as`].
+    ///
+    /// # Errors
+    /// [`EvaluateError`] when `out` has another length than `places`, or a place is not on the surface; then nothing was written.
+    pub fn evaluate_many<S: Evaluated>(
+        &self,
+        places: &[Place],
+        out: &mut [S],
+    ) -> Result<(), EvaluateError> {
+        if places.len() != out.len() {
+            return Err(EvaluateError::WrongCount {
+                got: out.len(),
+                wanted: places.len(),
+            });
+        }
+        if let Some(index) = places
+            .par_iter()
+            .with_min_len(CHUNK)
+            .position_first(|p| self.locate(p.face, p.u, p.v).is_none())
+        {
+            return Err(EvaluateError::NoSuchPlace { index });
+        }
+        places
+            .par_chunks(CHUNK)
+            .zip(out.par_chunks_mut(CHUNK))
+            .for_each_init(Batch::default, |batch, (places, out)| {
+                batch.evaluate(self, places, out);
+            });
+        Ok(())
+    }
+
+    /// An evaluator of face `face` of the cage, which keeps what several places have in common. `None` when there is no such face.
+    #[must_use]
+    pub fn face_evaluator(&self, face: u32) -> Option<FaceEvaluator<'_>> {
+        if face as usize >= self.topology().face_count() {
+            return None;
+        }
+        let first = if self.is_split() {
+            self.topology().face_halves(face).start
+        } else {
+            face
+        };
+        let mut quad = QuadEvaluator::default();
+        quad.prepare(self.channel(), first);
+        Some(FaceEvaluator {
+            surface: self,
+            face,
+            first,
+            quad,
+            others: Vec::new(),
+            uv: None,
+        })
+    }
+}
+
+/// Places that one thread evaluates at a time.
+const CHUNK: usize = 1 << 14;
+
+/// Memory of [`Surface::evaluate_many`].
+#[derive(Default)]
+struct Batch {
+    quad: QuadEvaluator,
+    starts: Vec<u32>,
+    order: Vec<u32>,
+}
+
+impl Batch {
+    fn evaluate<S: Evaluated>(&mut self, surface: &Surface, places: &[Place], out: &mut [S]) {
+        let channel = surface.channel();
+        let quads = channel.topology.face_count();
+        let changes = places.windows(2).filter(|p| p[0].face != p[1].face).count();
+        // Sorting pays where a face comes more than once, and where its counters are no more than the places.
+        if 4 * changes < places.len() || quads > places.len() {
+            self.in_order(surface, channel, places, out, 0..places.len() as u32);
+            return;
+        }
+        self.starts.clear();
+        self.starts.resize(quads + 1, 0);
+        let quad = |p: &Place| surface.locate(p.face, p.u, p.v).map_or(0, |l| l.quad) as usize;
+        for p in places {
+            self.starts[quad(p) + 1] += 1;
+        }
+        for q in 0..quads {
+            self.starts[q + 1] += self.starts[q];
+        }
+        self.order.resize(places.len(), 0);
+        for (i, p) in (0..).zip(places) {
+            let at = &mut self.starts[quad(p)];
+            self.order[*at as usize] = i;
+            *at += 1;
+        }
+        let order = std::mem::take(&mut self.order);
+        self.in_order(surface, channel, places, out, order.iter().copied());
+        self.order = order;
+    }
+
+    fn in_order<S: Evaluated>(
+        &mut self,
+        surface: &Surface,
+        channel: Channel<'_>,
+        places: &[Place],
+        out: &mut [S],
+        order: impl Iterator<Item = u32>,
+    ) {
+        let mut ready = None;
+        for i in order {
+            let p = places[i as usize];
+            if let Some(local) = surface.locate(p.face, p.u, p.v) {
+                if ready != Some(local.quad) {
+                    self.quad.prepare(channel, local.quad);
+                    ready = Some(local.quad);
+                }
+                out[i as usize] = S::evaluate(Asked {
+                    quad: &mut self.quad,
+                    channel,
+                    at: local,
+                });
+            }
+        }
+    }
+}
+
+/// One face of the cage, prepared for evaluation: keeps its control points and pieces, and makes the latter when a place first needs them.
+///
+/// ```
+/// # use earmark::{Cage, Surface};
+/// # let corners = vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5];
+/// # let points = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * b as f32 - 1.0)).collect();
+/// # let cube = Surface::new(Cage::new(points, &[4; 6], corners)?, &Default::default());
+/// let mut face = cube.face_evaluator(0).unwrap();
+/// let middle = face.at(0.5, 0.5).unwrap();
+/// assert!((middle.position[2] + 68.0 / 81.0).abs() < 1e-6);
+/// # Ok::<(), earmark::mesh::CageError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FaceEvaluator<'a> {
+    surface: &'a Surface,
+    face: u32,
+    /// Its first quad.
+    first: u32,
+    quad: QuadEvaluator,
+    /// Further quads of a face that is split.
+    others: Vec<Option<Box<QuadEvaluator>>>,
+    uv: Option<Box<(u32, QuadEvaluator)>>,
+}
+
+impl FaceEvaluator<'_> {
+    /// The face.
+    #[must_use]
+    pub fn face(&self) -> u32 {
+        self.face
+    }
+
+    /// The surface at (`u`, `v`), as [`Surface::evaluate`].
+    #[inline]
+    pub fn at(&mut self, u: f32, v: f32) -> Option<Sample> {
+        self.at_as(u, v)
+    }
+
+    /// As [`FaceEvaluator::at`], with only as much as `S` holds.
+    #[inline]
+    pub fn at_as<S: Evaluated>(&mut self, u: f32, v: f32) -> Option<S> {
+        let local = self.surface.locate(self.face, u, v)?;
+        let channel = self.surface.channel();
+        Some(S::evaluate(Asked {
+            quad: self.quad_of(channel, local.quad),
+            channel,
+            at: local,
+        }))
+    }
+
+    #[inline(always)]
+    fn quad_of(&mut self, channel: Channel<'_>, quad: u32) -> &mut QuadEvaluator {
+        if quad == self.first {
+            return &mut self.quad;
+        }
+        let k = (quad - self.first) as usize;
+        if self.others.len() < k {
+            self.others.resize(k, None);
+        }
+        self.others[k - 1].get_or_insert_with(|| {
+            let mut other = Box::<QuadEvaluator>::default();
+            other.prepare(channel, quad);
+            other
+        })
+    }
+
+    /// Samples of a grid of `n` segments along each side: (n + 1)², or as many for each quad of a polygon of other than 4 corners.
+    #[must_use]
+    pub fn grid_len(&self, n: u32) -> usize {
+        let side = n as usize + 1;
+        side * side * self.quads_of_grid()
+    }
+
+    fn quads_of_grid(&self) -> usize {
+        match self.surface.topology().face_halves(self.face).len() {
+            4 => 1,
+            n => n,
+        }
+    }
+
+    /// Evaluates the grid u, v = 0, 1/n, … 1, row by row: u first, then the next v. A polygon of other than 4 corners has one grid per corner,
+    /// one after the other. Nothing is evaluated for `n` = 0.
+    ///
+    /// # Errors
+    /// [`EvaluateError::WrongCount`] unless `out` has [`FaceEvaluator::grid_len`] places.
+    pub fn grid<S: Evaluated>(&mut self, n: u32, out: &mut [S]) -> Result<(), EvaluateError> {
+        let wanted = self.grid_len(n);
+        if out.len() != wanted || n == 0 {
+            return Err(EvaluateError::WrongCount {
+                got: out.len(),
+                wanted,
+            });
+        }
+        let channel = self.surface.channel();
+        let quads = self.quads_of_grid();
+        let side = n as usize + 1;
+        if quads == 1 && self.surface.is_split() {
+            for (k, out) in out.iter_mut().enumerate() {
+                let [u, v] = [k % side, k / side].map(|i| i as f32 / n as f32);
+                if let Some(sample) = self.at_as(u, v) {
+                    *out = sample;
+                }
+            }
+            return Ok(());
+        }
+        for (k, out) in out.chunks_exact_mut(side * side).enumerate() {
+            let quad = self.first + k as u32;
+            let asked = Asked {
+                quad: self.quad_of(channel, quad),
+                channel,
+                at: Local::quad(quad, 0.0, 0.0),
+            };
+            S::grid(asked, n, out);
+        }
+        Ok(())
+    }
+
+    /// Texture coordinates at (`u`, `v`). `None` when the surface has none, or (`u`, `v`) is not on the face.
+    pub fn uv(&mut self, u: f32, v: f32) -> Option<[f32; 2]> {
+        let local = self.surface.locate(self.face, u, v)?;
+        let (channel, linear) = self.surface.uv_channel()?;
+        if linear {
+            let corner = |c: u32| {
+                let at = channel.topology.vertex(4 * local.quad + c);
+                channel.points[at as usize]
+            };
+            let [a, b, c, d] = [0, 1, 2, 3].map(corner);
+            let (s, t) = (local.u, local.v);
+            let at = |k: usize| {
+                (a[k] * (1.0 - s) + b[k] * s) * (1.0 - t) + (d[k] * (1.0 - s) + c[k] * s) * t
+            };
+            return Some([at(0), at(1)]);
+        }
+        let uv = self.uv.get_or_insert_with(Box::default);
+        // Quad numbers from 1, 0 for none yet.
+        if uv.0 != local.quad + 1 {
+            uv.1.prepare(channel, local.quad);
+            uv.0 = local.quad + 1;
+        }
+        let (Found::Smooth(jet) | Found::Corner(jet, _)) = uv.1.at::<0>(channel, local.u, local.v);
+        let [u, v, _] = jet.position.xyz();
+        Some([u, v])
+    }
+}
