@@ -30,8 +30,8 @@ use std::cell::RefCell;
 
 mod sample;
 
-pub use sample::{Evaluated, Sample, SecondDerivatives, Tangents};
 use sample::sealed::Asked;
+pub use sample::{Evaluated, Sample, SecondDerivatives, Tangents};
 
 /// A face of the cage and a parameter on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -93,8 +93,7 @@ impl Local {
         if self.scale == 1.0 {
             return jet;
         }
-        jet.scaled::<ORDER>(self.scale)
-            .turned::<ORDER>(self.turned)
+        jet.scaled::<ORDER>(self.scale).turned::<ORDER>(self.turned)
     }
 }
 

@@ -78,9 +78,7 @@ pub(super) fn evaluate(job: &Job, a: &Arguments, scene: &mut Scene) -> Result<Ou
 
             let clock = Clock::now();
             for (p, out) in list.iter().zip(&mut out) {
-                *out = surface
-                    .evaluate_as(p.face, p.u, p.v)
-                    .unwrap_or_default();
+                *out = surface.evaluate_as(p.face, p.u, p.v).unwrap_or_default();
             }
             add("single", clock.elapsed());
             black_box(&mut out);

@@ -200,10 +200,7 @@ fn normal(jet: &Jet) -> Option<[f32; 3]> {
     /// Squared sine below which directions are rounding.
     const PARALLEL: f32 = 1e-10;
     let cross = jet.du.cross(jet.dv);
-    let (square, size) = (
-        cross.dot(cross),
-        jet.du.dot(jet.du) * jet.dv.dot(jet.dv),
-    );
+    let (square, size) = (cross.dot(cross), jet.du.dot(jet.du) * jet.dv.dot(jet.dv));
     if size > 1e-20 && size < 1e30 {
         if square <= PARALLEL * size {
             return None;
@@ -229,7 +226,8 @@ fn spare_normal(
     at: &Local,
     corner: Option<usize>,
 ) -> [f32; 3] {
-    let nearest = corner.unwrap_or([[0, 1], [3, 2]][usize::from(at.v >= 0.5)][usize::from(at.u >= 0.5)]);
+    let nearest =
+        corner.unwrap_or([[0, 1], [3, 2]][usize::from(at.v >= 0.5)][usize::from(at.u >= 0.5)]);
     if corner.is_none() {
         for step in [1e-3, 1e-2, 0.1, 0.5] {
             let [u, v] = [at.u, at.v].map(|x| x + (0.5 - x) * step);
@@ -242,7 +240,5 @@ fn spare_normal(
     }
     let fan = channel.topology.fan(4 * at.quad + nearest as u32);
     let normal = channel.fans.normals.get(fan as usize).copied();
-    normal
-        .and_then(math::normalize)
-        .unwrap_or([0.0, 0.0, 1.0])
+    normal.and_then(math::normalize).unwrap_or([0.0, 0.0, 1.0])
 }

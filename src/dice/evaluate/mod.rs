@@ -158,12 +158,7 @@ impl QuadEvaluator {
         Place::Smooth(self.whole(u, v).jet::<ORDER>())
     }
 
-    fn at_irregular<const ORDER: u32>(
-        &mut self,
-        channel: Channel<'_>,
-        u: f32,
-        v: f32,
-    ) -> Place {
+    fn at_irregular<const ORDER: u32>(&mut self, channel: Channel<'_>, u: f32, v: f32) -> Place {
         let Some(parts) = &mut self.parts else {
             return Place::Smooth(Jet::default());
         };

@@ -125,9 +125,6 @@ impl Ring {
     pub(super) fn f(&self, i: i32) -> D4 {
         self.spokes[self.place(i) + 1]
     }
-    pub(super) fn v(&self) -> D4 {
-        self.v
-    }
 
     /// The sectors next to the own one.
     pub(super) fn near(&self) -> Near<D4> {

@@ -101,8 +101,8 @@ impl Curve {
         let blend = |w: [f32; 4]| {
             let mut out = [0.0; 16];
             for l in 0..16 {
-                out[l] =
-                    (rows[0][l] * w[0] + rows[1][l] * w[1]) + (rows[2][l] * w[2] + rows[3][l] * w[3]);
+                out[l] = (rows[0][l] * w[0] + rows[1][l] * w[1])
+                    + (rows[2][l] * w[2] + rows[3][l] * w[3]);
             }
             out
         };
@@ -158,7 +158,11 @@ impl Sheet {
     pub(super) fn rows(&self, row: usize, col: usize) -> [&Row; 4] {
         std::array::from_fn(|r| {
             let points = &self.0[row + r];
-            let tail = if col == 0 { &points[..16] } else { &points[4..] };
+            let tail = if col == 0 {
+                &points[..16]
+            } else {
+                &points[4..]
+            };
             tail.try_into().unwrap_or(const { &[0.0; 16] })
         })
     }
