@@ -22,11 +22,15 @@
 //! `second` is `None` there. At corners that stay where they are (of several faces), `du` and `dv` are the sides of the control quad. Everywhere else, however close, the
 //! derivatives are those of the surface.
 
-use crate::dice::evaluate::{Jet, Place as Found, QuadEvaluator};
+use crate::control::{Kind, TreeChannel};
+use crate::dice::MAX_LEVEL;
+use crate::dice::control::Descend;
+use crate::dice::evaluate::{Jet, QuadEvaluator, leaf};
 use crate::dice::face::Channel;
 use crate::surface::Surface;
 use rayon::prelude::*;
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 mod sample;
 
@@ -64,15 +68,71 @@ pub enum EvaluateError {
     },
 }
 
-/// A place in the quad mesh.
+/// A place in a mesh of quads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local {
     pub(crate) quad: u32,
     pub(crate) u: f32,
     pub(crate) v: f32,
+    /// Control level that the quad belongs to.
+    depth: u32,
     /// The quad is seen from this corner of the face, at this scale.
     turned: usize,
     scale: f32,
+}
+
+/// Control data of a surface, of points or texture coordinates.
+#[derive(Clone, Copy, Debug)]
+struct Source<'a> {
+    root: Channel<'a>,
+    below: Option<TreeChannel<'a>>,
+}
+
+impl<'a> Source<'a> {
+    fn new(surface: &'a Surface, kind: Kind) -> Option<Self> {
+        surface.ensure_all();
+        Some(Self {
+            root: surface.channel(kind, None)?,
+            below: surface.below(kind, MAX_LEVEL, None),
+        })
+    }
+
+    /// Calls `then` with the patch at a place of the quads.
+    #[inline(always)]
+    fn patch<R>(&self, at: Local, then: impl FnOnce(Channel<'_>, Local, Option<Tip>) -> R) -> R {
+        let Some(below) = &self.below else {
+            return then(self.root, at, None);
+        };
+        match leaf(below as &dyn Descend, at.quad, at.u, at.v) {
+            None => then(self.root, at, None),
+            Some(leaf) => {
+                let local = Local {
+                    quad: leaf.quad,
+                    u: leaf.at[0],
+                    v: leaf.at[1],
+                    depth: leaf.depth,
+                    turned: at.turned,
+                    scale: at.scale * (1_u32 << leaf.depth) as f32,
+                };
+                let tip = leaf.tip.map(|c| {
+                    let fan = self.root.topology.fan(4 * at.quad + c as u32) as usize;
+                    let fans = self.root.fans;
+                    Tip {
+                        position: fans.limits[fan],
+                        normal: fans.normals.get(fan).copied().unwrap_or_default(),
+                    }
+                });
+                then(leaf.channel, local, tip)
+            }
+        }
+    }
+}
+
+/// What is known of a corner where creases end or fade.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tip {
+    pub(crate) position: [f32; 3],
+    pub(crate) normal: [f32; 3],
 }
 
 impl Local {
@@ -82,6 +142,7 @@ impl Local {
             quad,
             u,
             v,
+            depth: 0,
             turned: 0,
             scale: 1.0,
         }
@@ -109,6 +170,7 @@ fn child(first: u32, u: f32, v: f32) -> Local {
         quad: first + corner as u32,
         u: 2.0 * s,
         v: 2.0 * t,
+        depth: 0,
         turned: corner,
         scale: 2.0,
     }
@@ -163,13 +225,16 @@ impl Surface {
             static QUAD: RefCell<QuadEvaluator> = RefCell::default();
         }
         let local = self.locate(face, u, v)?;
-        let channel = self.channel();
+        let source = Source::new(self, Kind::Points)?;
         Some(QUAD.with_borrow_mut(|quad| {
-            quad.prepare(channel, local.quad);
-            S::evaluate(Asked {
-                quad,
-                channel,
-                at: local,
+            source.patch(local, |channel, at, tip| {
+                quad.prepare(channel, at.quad);
+                S::evaluate(Asked {
+                    quad,
+                    channel,
+                    at,
+                    tip,
+                })
             })
         }))
     }
@@ -197,12 +262,14 @@ impl Surface {
         {
             return Err(EvaluateError::NoSuchPlace { index });
         }
-        places
-            .par_chunks(CHUNK)
-            .zip(out.par_chunks_mut(CHUNK))
-            .for_each_init(Batch::default, |batch, (places, out)| {
-                batch.evaluate(self, places, out);
-            });
+        if let Some(source) = Source::new(self, Kind::Points) {
+            places
+                .par_chunks(CHUNK)
+                .zip(out.par_chunks_mut(CHUNK))
+                .for_each_init(Batch::default, |batch, (places, out)| {
+                    batch.evaluate(self, &source, places, out);
+                });
+        }
         Ok(())
     }
 
@@ -217,14 +284,16 @@ impl Surface {
         } else {
             face
         };
+        let source = Source::new(self, Kind::Points)?;
         let mut quad = QuadEvaluator::default();
-        quad.prepare(self.channel(), first);
+        quad.prepare(source.root, first);
         Some(FaceEvaluator {
             surface: self,
+            source,
             face,
             first,
             quad,
-            others: Vec::new(),
+            others: BTreeMap::new(),
             uv: None,
         })
     }
@@ -242,13 +311,18 @@ struct Batch {
 }
 
 impl Batch {
-    fn evaluate<S: Evaluated>(&mut self, surface: &Surface, places: &[Place], out: &mut [S]) {
-        let channel = surface.channel();
-        let quads = channel.topology.face_count();
+    fn evaluate<S: Evaluated>(
+        &mut self,
+        surface: &Surface,
+        source: &Source<'_>,
+        places: &[Place],
+        out: &mut [S],
+    ) {
+        let quads = source.root.topology.face_count();
         let changes = places.windows(2).filter(|p| p[0].face != p[1].face).count();
         // Sorting pays where a face comes more than once, and where its counters are no more than the places.
         if 4 * changes < places.len() || quads > places.len() {
-            self.in_order(surface, channel, places, out, 0..places.len() as u32);
+            self.in_order(surface, source, places, out, 0..places.len() as u32);
             return;
         }
         self.starts.clear();
@@ -267,32 +341,37 @@ impl Batch {
             *at += 1;
         }
         let order = std::mem::take(&mut self.order);
-        self.in_order(surface, channel, places, out, order.iter().copied());
+        self.in_order(surface, source, places, out, order.iter().copied());
         self.order = order;
     }
 
     fn in_order<S: Evaluated>(
         &mut self,
         surface: &Surface,
-        channel: Channel<'_>,
+        source: &Source<'_>,
         places: &[Place],
         out: &mut [S],
         order: impl Iterator<Item = u32>,
     ) {
-        let mut ready = None;
+        let (quad, mut ready) = (&mut self.quad, None);
         for i in order {
             let p = places[i as usize];
-            if let Some(local) = surface.locate(p.face, p.u, p.v) {
-                if ready != Some(local.quad) {
-                    self.quad.prepare(channel, local.quad);
-                    ready = Some(local.quad);
+            let Some(local) = surface.locate(p.face, p.u, p.v) else {
+                continue;
+            };
+            out[i as usize] = source.patch(local, |channel, at, tip| {
+                let key = Some((at.depth, at.quad));
+                if ready != key {
+                    quad.prepare(channel, at.quad);
+                    ready = key;
                 }
-                out[i as usize] = S::evaluate(Asked {
-                    quad: &mut self.quad,
+                S::evaluate(Asked {
+                    quad,
                     channel,
-                    at: local,
-                });
-            }
+                    at,
+                    tip,
+                })
+            });
         }
     }
 }
@@ -312,13 +391,22 @@ impl Batch {
 #[derive(Clone, Debug)]
 pub struct FaceEvaluator<'a> {
     surface: &'a Surface,
+    source: Source<'a>,
     face: u32,
     /// Its first quad.
     first: u32,
     quad: QuadEvaluator,
-    /// Further quads of a face that is split.
-    others: Vec<Option<Box<QuadEvaluator>>>,
-    uv: Option<Box<(u32, QuadEvaluator)>>,
+    /// Further quads of a face that is split, and patches of deeper control levels, by depth and number.
+    others: BTreeMap<(u32, u32), Box<QuadEvaluator>>,
+    uv: Option<Box<Uvs<'a>>>,
+}
+
+/// Texture coordinates of a face.
+#[derive(Clone, Debug)]
+struct Uvs<'a> {
+    source: Source<'a>,
+    quad: QuadEvaluator,
+    ready: Option<(u32, u32)>,
 }
 
 impl FaceEvaluator<'_> {
@@ -338,27 +426,24 @@ impl FaceEvaluator<'_> {
     #[inline]
     pub fn at_as<S: Evaluated>(&mut self, u: f32, v: f32) -> Option<S> {
         let local = self.surface.locate(self.face, u, v)?;
-        let channel = self.surface.channel();
-        Some(S::evaluate(Asked {
-            quad: self.quad_of(channel, local.quad),
-            channel,
-            at: local,
-        }))
+        Some(self.local(local))
     }
 
     #[inline(always)]
-    fn quad_of(&mut self, channel: Channel<'_>, quad: u32) -> &mut QuadEvaluator {
-        if quad == self.first {
-            return &mut self.quad;
-        }
-        let k = (quad - self.first) as usize;
-        if self.others.len() < k {
-            self.others.resize(k, None);
-        }
-        self.others[k - 1].get_or_insert_with(|| {
-            let mut other = Box::<QuadEvaluator>::default();
-            other.prepare(channel, quad);
-            other
+    fn local<S: Evaluated>(&mut self, local: Local) -> S {
+        let (first, own, others) = (self.first, &mut self.quad, &mut self.others);
+        self.source.patch(local, |channel, at, tip| {
+            let quad = if at.depth == 0 && at.quad == first {
+                own
+            } else {
+                other(others, channel, (at.depth, at.quad))
+            };
+            S::evaluate(Asked {
+                quad,
+                channel,
+                at,
+                tip,
+            })
         })
     }
 
@@ -376,11 +461,11 @@ impl FaceEvaluator<'_> {
         }
     }
 
-    /// Evaluates the grid u, v = 0, 1/n, … 1, row by row: u first, then the next v. A polygon of other than 4 corners has one grid per corner,
-    /// one after the other. Nothing is evaluated for `n` = 0.
+    /// Evaluates the grid u, v = 0, 1/n, … 1, row by row: u first, then the next v. A polygon of other than 4 corners has one grid per
+    /// corner, one after the other.
     ///
     /// # Errors
-    /// [`EvaluateError::WrongCount`] unless `out` has [`FaceEvaluator::grid_len`] places.
+    /// [`EvaluateError::WrongCount`] unless `n` is above 0 and `out` has [`FaceEvaluator::grid_len`] places.
     pub fn grid<S: Evaluated>(&mut self, n: u32, out: &mut [S]) -> Result<(), EvaluateError> {
         let wanted = self.grid_len(n);
         if out.len() != wanted || n == 0 {
@@ -389,24 +474,32 @@ impl FaceEvaluator<'_> {
                 wanted,
             });
         }
-        let channel = self.surface.channel();
         let quads = self.quads_of_grid();
+        let split = quads == 1 && self.surface.is_split();
         let side = n as usize + 1;
-        if quads == 1 && self.surface.is_split() {
-            for (k, out) in out.iter_mut().enumerate() {
-                let [u, v] = [k % side, k / side].map(|i| i as f32 / n as f32);
-                if let Some(sample) = self.at_as(u, v) {
-                    *out = sample;
-                }
-            }
-            return Ok(());
-        }
         for (k, out) in out.chunks_exact_mut(side * side).enumerate() {
             let quad = self.first + k as u32;
+            if split || self.source.below.is_some() {
+                for (i, out) in out.iter_mut().enumerate() {
+                    let [u, v] = [i % side, i / side].map(|i| i as f32 / n as f32);
+                    *out = self.local(if split {
+                        child(self.first, u, v)
+                    } else {
+                        Local::quad(quad, u, v)
+                    });
+                }
+                continue;
+            }
+            let channel = self.source.root;
             let asked = Asked {
-                quad: self.quad_of(channel, quad),
+                quad: if k == 0 {
+                    &mut self.quad
+                } else {
+                    other(&mut self.others, channel, (0, quad))
+                },
                 channel,
                 at: Local::quad(quad, 0.0, 0.0),
+                tip: None,
             };
             S::grid(asked, n, out);
         }
@@ -416,12 +509,18 @@ impl FaceEvaluator<'_> {
     /// Texture coordinates at (`u`, `v`). `None` when the surface has none, or (`u`, `v`) is not on the face.
     pub fn uv(&mut self, u: f32, v: f32) -> Option<[f32; 2]> {
         let local = self.surface.locate(self.face, u, v)?;
-        let (channel, linear) = self.surface.uv_channel()?;
-        if linear {
-            let corner = |c: u32| {
-                let at = channel.topology.vertex(4 * local.quad + c);
-                channel.points[at as usize]
-            };
+        let uvs = match &mut self.uv {
+            Some(uvs) => uvs,
+            none => none.insert(Box::new(Uvs {
+                source: Source::new(self.surface, Kind::Uvs)?,
+                quad: QuadEvaluator::default(),
+                ready: None,
+            })),
+        };
+        if self.surface.has_linear_uvs() {
+            let channel = uvs.source.root;
+            let corner =
+                |c: u32| channel.points[channel.topology.vertex(4 * local.quad + c) as usize];
             let [a, b, c, d] = [0, 1, 2, 3].map(corner);
             let (s, t) = (local.u, local.v);
             let at = |k: usize| {
@@ -429,14 +528,33 @@ impl FaceEvaluator<'_> {
             };
             return Some([at(0), at(1)]);
         }
-        let uv = self.uv.get_or_insert_with(Box::default);
-        // Quad numbers from 1, 0 for none yet.
-        if uv.0 != local.quad + 1 {
-            uv.1.prepare(channel, local.quad);
-            uv.0 = local.quad + 1;
-        }
-        let (Found::Smooth(jet) | Found::Corner(jet, _)) = uv.1.at::<0>(channel, local.u, local.v);
-        let [u, v, _] = jet.position.xyz();
-        Some([u, v])
+        let (quad, ready) = (&mut uvs.quad, &mut uvs.ready);
+        let position = uvs.source.patch(local, |channel, at, _| {
+            let key = Some((at.depth, at.quad));
+            if *ready != key {
+                quad.prepare(channel, at.quad);
+                *ready = key;
+            }
+            <[f32; 3] as sample::sealed::Kind>::evaluate(Asked {
+                quad,
+                channel,
+                at,
+                tip: None,
+            })
+        });
+        Some([position[0], position[1]])
     }
+}
+
+#[inline(never)]
+fn other<'q>(
+    others: &'q mut BTreeMap<(u32, u32), Box<QuadEvaluator>>,
+    channel: Channel<'_>,
+    key: (u32, u32),
+) -> &'q mut QuadEvaluator {
+    others.entry(key).or_insert_with(|| {
+        let mut quad = Box::<QuadEvaluator>::default();
+        quad.prepare(channel, key.1);
+        quad
+    })
 }

@@ -502,25 +502,16 @@ impl Surface {
         out
     }
 
-    /// Control data of the quads.
-    #[inline]
-    pub(crate) fn channel(&self) -> Channel<'_> {
-        Channel {
-            topology: self.mesh.quads(),
-            points: &self.mesh.points,
-            fans: &self.mesh.fans,
-        }
+    /// Whether texture coordinates are bilinear in each quad.
+    pub(crate) fn has_linear_uvs(&self) -> bool {
+        self.linear_uv
     }
 
-    /// The same of the texture coordinates, and whether they are bilinear in each quad.
-    pub(crate) fn uv_channel(&self) -> Option<(Channel<'_>, bool)> {
-        let uv = self.uv.as_ref()?;
-        let channel = Channel {
-            topology: uv.quads(),
-            points: &uv.points,
-            fans: &uv.fans,
-        };
-        Some((channel, self.linear_uv))
+    /// Makes all control levels there will ever be, at the first call. Unlike [`Surface::ensure`], from any thread.
+    pub(crate) fn ensure_all(&self) {
+        if let Some(control) = &self.control {
+            control.ensure_all();
+        }
     }
 
     /// Limit of the texture coordinates at corner `h` of the quad mesh.

@@ -50,7 +50,7 @@ impl Evaluated for Tangents {}
 impl Evaluated for [f32; 3] {}
 
 pub(super) mod sealed {
-    use super::super::Local;
+    use super::super::{Local, Tip};
     use crate::dice::evaluate::QuadEvaluator;
     use crate::dice::face::Channel;
 
@@ -59,6 +59,7 @@ pub(super) mod sealed {
         pub(in super::super) quad: &'a mut QuadEvaluator,
         pub(in super::super) channel: Channel<'a>,
         pub(in super::super) at: Local,
+        pub(in super::super) tip: Option<Tip>,
     }
 
     /// How a kind of sample is made.
@@ -93,7 +94,10 @@ fn fill<S>(out: &mut [S], convert: impl Fn(Found) -> S) -> impl FnMut(Found) {
 impl sealed::Kind for [f32; 3] {
     #[inline(always)]
     fn evaluate(asked: Asked<'_>) -> Self {
-        asked.jet::<0>().position.xyz()
+        match asked.tip {
+            Some(tip) => tip.position,
+            None => asked.jet::<0>().position.xyz(),
+        }
     }
     fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
         let out = fill(out, |found| jet(found).position.xyz());
@@ -104,7 +108,12 @@ impl sealed::Kind for [f32; 3] {
 impl sealed::Kind for Tangents {
     #[inline(always)]
     fn evaluate(asked: Asked<'_>) -> Self {
-        Self::of(asked.jet::<1>())
+        let tip = asked.tip;
+        let mut out = Self::of(asked.jet::<1>());
+        if let Some(tip) = tip {
+            out.position = tip.position;
+        }
+        out
     }
     fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
         let out = fill(out, |found| Self::of(jet(found)));
@@ -115,12 +124,25 @@ impl sealed::Kind for Tangents {
 impl sealed::Kind for Sample {
     #[inline(always)]
     fn evaluate(asked: Asked<'_>) -> Self {
-        let Asked { quad, channel, at } = asked;
+        let Asked {
+            quad,
+            channel,
+            at,
+            tip,
+        } = asked;
         let found = quad.at::<2>(channel, at.u, at.v);
-        Self::of(quad, channel, &at, found)
+        let mut out = Self::of(quad, channel, &at, found);
+        if let Some(tip) = tip {
+            out.position = tip.position;
+            out.normal = math::normalize(tip.normal).unwrap_or(out.normal);
+            out.second = None;
+        }
+        out
     }
     fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
-        let Asked { quad, channel, at } = asked;
+        let Asked {
+            quad, channel, at, ..
+        } = asked;
         quad.grid::<2>(channel, n, fill(out, Self::quick));
         // Places without a clear normal are evaluated once more, with all that can be done.
         let side = n as usize + 1;

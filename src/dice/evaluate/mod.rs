@@ -9,7 +9,9 @@
 mod ring;
 mod spline;
 
+use super::control::Descend;
 use super::face::Channel;
+use super::linear;
 use super::net::{Net, gather_net, once_refined, refine_node, turn, turn_back};
 use super::point::{D4, P4, Point};
 use super::window::Near;
@@ -27,6 +29,53 @@ pub(crate) enum Place {
     Smooth(Jet),
     /// At irregular corner `.1`: second derivatives do not exist, first ones are those of the flat star.
     Corner(Jet, usize),
+}
+
+/// The patch that holds a parameter of a quad.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaf<'a> {
+    /// The control level that the patch belongs to.
+    pub(crate) channel: Channel<'a>,
+    pub(crate) depth: u32,
+    pub(crate) quad: u32,
+    /// The parameter on the patch, which is 2 to the minus `depth` as large as the quad.
+    pub(crate) at: [f32; 2],
+    /// A corner that is a feature, if the parameter is that corner.
+    pub(crate) tip: Option<usize>,
+}
+
+/// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch.
+pub(crate) fn leaf<'a>(below: &'a dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<'a>> {
+    let root = below.at(0)?;
+    root.first_child(q)?;
+    let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+        .iter()
+        .position(|&at| at == [u, v]);
+    let tip = corner.filter(|&c| root.features[root.whole.vertex(4 * q + c as u32) as usize]);
+    let (mut view, mut depth, mut quad, mut at) = (root, 0, q, [u, v]);
+    while let Some(first) = view.first_child(quad) {
+        // Below the last level there is nothing: darts end there.
+        let Some(next) = below.at(depth + 1) else {
+            break;
+        };
+        let [col, row] = at.map(|x| usize::from(x >= 0.5));
+        quad = first + [[0, 1], [3, 2]][row][col];
+        at = [2.0 * at[0] - col as f32, 2.0 * at[1] - row as f32];
+        (view, depth) = (next, depth + 1);
+    }
+    Some(Leaf {
+        channel: Channel {
+            topology: view.topology,
+            points: view.points,
+            fans: view.fans,
+            below: None,
+            linear: false,
+        },
+        depth,
+        quad,
+        at,
+        tip,
+    })
 }
 
 /// One quad of a mesh, ready to be evaluated; to be prepared again for the next.
@@ -47,12 +96,14 @@ struct Parts {
     net: Net<5, D4>,
     origin: P4,
     sheet: Sheet,
-    chains: [Option<Chain>; 4],
+    /// Kept from quad to quad for their memory; those that are of this one.
+    chains: [Option<Box<Chain>>; 4],
+    made: [bool; 4],
     ring: Ring,
 }
 
 /// The pieces towards an irregular corner.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Chain {
     limit: P4,
     ring: Ring,
@@ -132,15 +183,20 @@ impl QuadEvaluator {
     pub(crate) fn prepare(&mut self, channel: Channel<'_>, q: u32) {
         let t = channel.topology;
         self.q = q;
-        let regular: [bool; 4] =
-            std::array::from_fn(|c| t.fans()[t.fan(4 * q + c as u32) as usize].is_regular());
+        let regular: [bool; 4] = std::array::from_fn(|c| {
+            channel.linear || t.fans()[t.fan(4 * q + c as u32) as usize].is_regular()
+        });
         self.irregular = regular != [true; 4];
         if self.irregular {
             let parts = self.parts.get_or_insert_with(|| Box::new(Parts::empty()));
             parts.prepare(channel, q, regular);
             return;
         }
-        let net = gather_net(t, channel.points, q);
+        let net = if channel.linear {
+            linear::net(channel, q)
+        } else {
+            gather_net(t, channel.points, q)
+        };
         self.origin = net[1][1];
         for (row, points) in self.rows.iter_mut().zip(&net) {
             for (out, p) in row.chunks_exact_mut(4).zip(points) {
@@ -239,13 +295,14 @@ impl Parts {
             origin: P4::ZERO,
             sheet: Sheet([[0.0; 20]; 5]),
             chains: [const { None }; 4],
+            made: [false; 4],
             ring: Ring::default(),
         }
     }
 
     fn prepare(&mut self, channel: Channel<'_>, q: u32, regular: [bool; 4]) {
         self.regular = regular;
-        self.chains = [const { None }; 4];
+        self.made = [false; 4];
         let mut near = [Near::EMPTY; 4];
         for c in 0..4 {
             self.ring.gather(channel, 4 * q + c as u32);
@@ -266,10 +323,11 @@ impl Parts {
         if self.regular[c] || depth > MAX_DEPTH {
             return;
         }
-        let chain = match &mut self.chains[c] {
-            Some(chain) => chain,
-            none => none.insert(Chain::new(channel, 4 * q + c as u32, c, &self.net)),
-        };
+        let chain = self.chains[c].get_or_insert_with(Box::default);
+        if !self.made[c] {
+            self.made[c] = true;
+            chain.begin(channel, 4 * q + c as u32, c, &self.net);
+        }
         while chain.sheets.len() + 1 < depth as usize {
             chain.deepen(c);
         }
@@ -289,6 +347,7 @@ impl Parts {
         let depth = depth_at(st);
         let chain = self.chains[c]
             .as_ref()
+            .filter(|_| self.made[c])
             .and_then(|chain| Some((chain, chain.sheets.get((depth as usize).wrapping_sub(2))?)));
         let Some((chain, sheet)) = chain else {
             return Found::Corner(c);
@@ -330,20 +389,15 @@ impl Parts {
 }
 
 impl Chain {
-    fn new(channel: Channel<'_>, h: u32, c: usize, net: &Net<5, D4>) -> Self {
-        let mut ring = Ring::default();
-        ring.gather(channel, h);
-        let limit = ring.limit();
-        ring.shift(limit);
-        ring.step();
+    fn begin(&mut self, channel: Channel<'_>, h: u32, c: usize, net: &Net<5, D4>) {
+        self.sheets.clear();
+        self.ring.gather(channel, h);
+        let limit = self.ring.limit();
+        self.ring.shift(limit);
+        self.ring.step();
         let net = turn(net, c);
-        let node = std::array::from_fn(|r| std::array::from_fn(|k| net[r][k] - limit));
-        Self {
-            limit: limit.narrow(),
-            ring,
-            node,
-            sheets: Vec::new(),
-        }
+        self.node = std::array::from_fn(|r| std::array::from_fn(|k| net[r][k] - limit));
+        self.limit = limit.narrow();
     }
 
     /// One more step towards the corner.

@@ -31,10 +31,13 @@ pub(super) struct Ring {
 }
 
 impl Ring {
-    /// Gathers the ring of half-edge `h`'s vertex.
+    /// Gathers the ring of half-edge `h`'s vertex, in a mesh of quads.
     pub(super) fn gather(&mut self, channel: Channel<'_>, h: u32) {
         let t = channel.topology;
-        let at = |g: u32| D4::wide(channel.points[t.vertex(g) as usize]);
+        let (twins, vertices) = (&t.twins[..], &t.corner_vertices[..]);
+        let at = |g: u32| D4::wide(channel.points[vertices[g as usize] as usize]);
+        let next = |g: u32| (g & !3) | ((g + 1) & 3);
+        let prev = |g: u32| (g & !3) | ((g + 3) & 3);
         let id = t.fan(h);
         let fan = t.fans()[id as usize];
         self.fan = Some(fan);
@@ -51,35 +54,33 @@ impl Ring {
         let (mut start, mut left) = (h, 0);
         if !self.closed {
             while left < reach {
-                let g = t.rotate_back(start);
-                if g == NONE {
+                let twin = twins[start as usize];
+                if twin == NONE {
                     self.open[0] = true;
                     break;
                 }
-                (start, left) = (g, left + 1);
+                (start, left) = (next(twin), left + 1);
             }
         }
         (self.first, self.left) = (-left, left);
         let mut put = |g: u32| {
-            let next = t.next(g);
-            self.spokes.push(at(next));
-            self.spokes.push(at(t.next(next)));
+            self.spokes.extend([at(next(g)), at(g ^ 2)]);
         };
         let (mut g, mut i) = (start, -left);
         let last = if self.closed { reach - 1 } else { reach };
         put(g);
         while i < last {
-            let next = t.rotate(g);
-            if next == NONE {
+            let twin = twins[prev(g) as usize];
+            if twin == NONE {
                 self.open[1] = true;
                 break;
             }
-            (g, i) = (next, i + 1);
+            (g, i) = (twin, i + 1);
             put(g);
         }
         self.right = i;
         if !self.closed {
-            self.spokes.push(at(t.prev(g)));
+            self.spokes.push(at(prev(g)));
         }
         self.set_means(channel, id, wide);
     }
@@ -106,22 +107,30 @@ impl Ring {
         self.fan.map_or(FanRule::Corner, |f| f.rule)
     }
 
+    #[inline]
     fn place(&self, i: i32) -> usize {
-        let k = i - self.first;
-        let k = if self.closed {
-            k.rem_euclid(self.right + 1)
-        } else {
-            debug_assert!(k >= 0);
-            k
-        };
+        let mut k = i - self.first;
+        if self.closed {
+            // Not by a remainder: divisions are slow, and this is seldom more than one turn.
+            let n = self.right + 1;
+            while k < 0 {
+                k += n;
+            }
+            while k >= n {
+                k -= n;
+            }
+        }
+        debug_assert!(k >= 0);
         2 * k as usize
     }
 
     /// Ring edge `i`.
+    #[inline]
     pub(super) fn e(&self, i: i32) -> D4 {
         self.spokes[self.place(i)]
     }
     /// Face corner `i`.
+    #[inline]
     pub(super) fn f(&self, i: i32) -> D4 {
         self.spokes[self.place(i) + 1]
     }
