@@ -158,6 +158,11 @@ impl Local {
     }
 }
 
+#[inline(always)]
+fn is_unit(x: f32) -> bool {
+    (0.0..=1.0).contains(&x)
+}
+
 /// The child of `corner` of a quad that is split once.
 fn child(first: u32, u: f32, v: f32) -> Local {
     let (corner, [s, t]) = match (u >= 0.5, v >= 0.5) {
@@ -177,20 +182,23 @@ fn child(first: u32, u: f32, v: f32) -> Local {
 }
 
 impl Surface {
-    #[inline]
+    #[inline(always)]
     fn locate(&self, face: u32, u: f32, v: f32) -> Option<Local> {
-        let unit = 0.0..=1.0;
         // What is not a number is in no range.
-        if face as usize >= self.topology().face_count() || !unit.contains(&v) {
+        if face as usize >= self.topology().face_count() || !is_unit(v) {
             return None;
         }
-        if !self.is_split() {
-            return unit.contains(&u).then_some(Local::quad(face, u, v));
+        if self.is_split() {
+            return self.locate_child(face, u, v);
         }
+        is_unit(u).then_some(Local::quad(face, u, v))
+    }
+
+    fn locate_child(&self, face: u32, u: f32, v: f32) -> Option<Local> {
         let halves = self.topology().face_halves(face);
         let n = halves.len() as u32;
         if n == 4 {
-            return unit.contains(&u).then(|| child(halves.start, u, v));
+            return is_unit(u).then(|| child(halves.start, u, v));
         }
         let k = (0.0..=n as f32)
             .contains(&u)
@@ -292,6 +300,7 @@ impl Surface {
             source,
             face,
             first,
+            whole: source.below.is_none() && !self.is_split(),
             quad,
             others: BTreeMap::new(),
             uv: None,
@@ -300,7 +309,7 @@ impl Surface {
 }
 
 /// Places that one thread evaluates at a time.
-const CHUNK: usize = 1 << 14;
+const CHUNK: usize = 1 << 16;
 
 /// Memory of [`Surface::evaluate_many`].
 #[derive(Default)]
@@ -395,6 +404,8 @@ pub struct FaceEvaluator<'a> {
     face: u32,
     /// Its first quad.
     first: u32,
+    /// Whether that quad is the face, and a patch.
+    whole: bool,
     quad: QuadEvaluator,
     /// Further quads of a face that is split, and patches of deeper control levels, by depth and number.
     others: BTreeMap<(u32, u32), Box<QuadEvaluator>>,
@@ -425,11 +436,23 @@ impl FaceEvaluator<'_> {
     /// As [`FaceEvaluator::at`], with only as much as `S` holds.
     #[inline]
     pub fn at_as<S: Evaluated>(&mut self, u: f32, v: f32) -> Option<S> {
+        if self.whole && is_unit(u) && is_unit(v) {
+            return Some(S::evaluate(Asked {
+                quad: &mut self.quad,
+                channel: self.source.root,
+                at: Local::quad(self.first, u, v),
+                tip: None,
+            }));
+        }
+        self.elsewhere(u, v)
+    }
+
+    #[inline(never)]
+    fn elsewhere<S: Evaluated>(&mut self, u: f32, v: f32) -> Option<S> {
         let local = self.surface.locate(self.face, u, v)?;
         Some(self.local(local))
     }
 
-    #[inline(always)]
     fn local<S: Evaluated>(&mut self, local: Local) -> S {
         let (first, own, others) = (self.first, &mut self.quad, &mut self.others);
         self.source.patch(local, |channel, at, tip| {

@@ -118,11 +118,13 @@ impl D4 {
     }
     #[inline(always)]
     pub(crate) fn narrow(self) -> P4 {
-        P4(self.0.map(|c| c as f32))
+        let a = self.0;
+        P4([a[0] as f32, a[1] as f32, a[2] as f32, a[3] as f32])
     }
     #[inline(always)]
     pub(crate) fn times(self, k: f64) -> Self {
-        Self(self.0.map(|c| c * k))
+        let a = self.0;
+        Self([a[0] * k, a[1] * k, a[2] * k, a[3] * k])
     }
 }
 
@@ -134,14 +136,16 @@ impl Add for D4 {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] + o.0[i]))
+        let (a, b) = (self.0, o.0);
+        Self([a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]])
     }
 }
 impl Sub for D4 {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] - o.0[i]))
+        let (a, b) = (self.0, o.0);
+        Self([a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]])
     }
 }
 impl Mul<f32> for D4 {

@@ -155,55 +155,32 @@ impl Window {
 
 /// The five sectors around the own one, kept from a window of some depth.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Near<P = P4> {
-    pub(crate) v: P,
-    edges: [P; 6],
-    faces: [P; 5],
+pub(crate) struct Near {
+    pub(crate) v: P4,
+    edges: [P4; 6],
+    faces: [P4; 5],
     left: i32,
     right: i32,
 }
 
-impl<P: Point> Near<P> {
+impl Near {
     pub(crate) const EMPTY: Self = Self {
-        v: P::ZERO,
-        edges: [P::ZERO; 6],
-        faces: [P::ZERO; 5],
+        v: P4::ZERO,
+        edges: [P4::ZERO; 6],
+        faces: [P4::ZERO; 5],
         left: 0,
         right: 0,
     };
 
-    /// Sectors `-left … right` as `edge` and `face` give them; at most two to either side.
-    #[inline(always)]
-    pub(crate) fn from_fn(
-        v: P,
-        left: i32,
-        right: i32,
-        edge: impl Fn(i32) -> P,
-        face: impl Fn(i32) -> P,
-    ) -> Self {
-        let mut near = Self {
-            v,
-            left: left.min(2),
-            right: right.min(2),
-            ..Self::EMPTY
-        };
-        for i in -near.left..=near.right {
-            near.edges[(i + 2) as usize] = edge(i);
-            near.faces[(i + 2) as usize] = face(i);
-        }
-        near.edges[(near.right + 3) as usize] = edge(near.right + 1);
-        near
-    }
-
     /// Ring edge `i`; present for `-left ≤ i ≤ right + 1`, at most from −2 to 3.
     #[inline]
-    pub(crate) fn e(&self, i: i32) -> P {
+    pub(crate) fn e(&self, i: i32) -> P4 {
         debug_assert!(-self.left <= i && i <= self.right + 1);
         self.edges[(i + 2) as usize]
     }
     /// Face corner `i`; present for `-left ≤ i ≤ right`, at most from −2 to 2.
     #[inline]
-    pub(crate) fn f(&self, i: i32) -> P {
+    pub(crate) fn f(&self, i: i32) -> P4 {
         debug_assert!(self.has(i));
         self.faces[(i + 2) as usize]
     }
@@ -211,6 +188,36 @@ impl<P: Point> Near<P> {
     #[inline]
     pub(crate) fn has(&self, i: i32) -> bool {
         -self.left <= i && i <= self.right
+    }
+}
+
+/// A vertex with the part of its ring that is at hand; sector 0 is the own one.
+pub(crate) trait Around<P> {
+    fn v(&self) -> P;
+    /// Ring edge `i`.
+    fn e(&self, i: i32) -> P;
+    /// Face corner `i`.
+    fn f(&self, i: i32) -> P;
+    /// Whether sector `i` is there.
+    fn has(&self, i: i32) -> bool;
+}
+
+impl Around<P4> for Near {
+    #[inline(always)]
+    fn v(&self) -> P4 {
+        self.v
+    }
+    #[inline(always)]
+    fn e(&self, i: i32) -> P4 {
+        self.e(i)
+    }
+    #[inline(always)]
+    fn f(&self, i: i32) -> P4 {
+        self.f(i)
+    }
+    #[inline(always)]
+    fn has(&self, i: i32) -> bool {
+        self.has(i)
     }
 }
 

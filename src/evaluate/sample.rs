@@ -221,19 +221,22 @@ impl Sample {
 fn normal(jet: &Jet) -> Option<[f32; 3]> {
     /// Squared sine below which directions are rounding.
     const PARALLEL: f32 = 1e-10;
-    let cross = jet.du.cross(jet.dv);
-    let (square, size) = (cross.dot(cross), jet.du.dot(jet.du) * jet.dv.dot(jet.dv));
+    let (du, dv) = (jet.du.xyz(), jet.dv.xyz());
+    let cross = math::cross(du, dv);
+    let (square, size) = (
+        math::dot(cross, cross),
+        math::dot(du, du) * math::dot(dv, dv),
+    );
     if size > 1e-20 && size < 1e30 {
         if square <= PARALLEL * size {
             return None;
         }
-        return Some((cross * (1.0 / square.sqrt())).xyz());
+        return Some(math::scale(cross, 1.0 / square.sqrt()));
     }
     // Squares of tiny or huge vectors leave the range of numbers: make them unit vectors first.
-    let (du, dv) = (jet.du.unit()?, jet.dv.unit()?);
-    let cross = du.cross(dv);
-    if cross.dot(cross) > PARALLEL {
-        cross.unit().map(|n| n.xyz())
+    let cross = math::cross(math::normalize(du)?, math::normalize(dv)?);
+    if math::dot(cross, cross) > PARALLEL {
+        math::normalize(cross)
     } else {
         None
     }

@@ -12,12 +12,12 @@ mod spline;
 use super::control::Descend;
 use super::face::Channel;
 use super::linear;
-use super::net::{Net, gather_net, once_refined, refine_node, turn, turn_back};
+use super::net::{Net, fill_phantoms, gather_net, put_corner, refine_node, turn};
 use super::point::{D4, P4, Point};
-use super::window::Near;
+use super::window::Around;
 use ring::Ring;
 pub(crate) use spline::Jet;
-use spline::{Curve, Row, Sheet, Weights};
+use spline::{F4, Patch};
 
 /// Parameters nearer than 2 to the minus this many to an irregular corner are the corner's.
 pub(crate) const MAX_DEPTH: u32 = 40;
@@ -83,34 +83,86 @@ pub(crate) fn leaf<'a>(below: &'a dyn Descend, q: u32, u: f32, v: f32) -> Option
 pub(crate) struct QuadEvaluator {
     q: u32,
     irregular: bool,
-    origin: P4,
-    rows: [Row; 4],
-    /// Also kept while the quad is regular, for its memory.
+    /// Of an irregular quad: corners by place, where bit 0 is set at u = 1, bit 1 at v = 1.
+    regular: [bool; 4],
+    /// Places in `patches` by corner (by place), depth and cell of the sheet; [`MISSING`] if not made.
+    slots: [[[u16; 4]; SHALLOW]; 4],
+    /// The quad itself, or its pieces as parameters have asked for them.
+    patches: Vec<Patch>,
+    /// Kept while the quad is regular, for its memory.
     parts: Option<Box<Parts>>,
 }
 
-/// An irregular quad after one step.
+/// Depths that are found without a search.
+const SHALLOW: usize = 8;
+
+/// What pieces of an irregular quad are made of.
 #[derive(Clone, Debug)]
 struct Parts {
-    regular: [bool; 4],
+    /// The net after one step.
     net: Net<5, D4>,
-    origin: P4,
-    sheet: Sheet,
-    /// Kept from quad to quad for their memory; those that are of this one.
+    /// Control points of pieces: first those of depth 1, around the middle, then what the corners have left.
+    sheets: Vec<Sheet>,
+    /// Patches deeper than slots go.
+    deep: Vec<(Slot, u16)>,
+    /// Kept from quad to quad for their memory; `made` are of this one. By number of the corner.
     chains: [Option<Box<Chain>>; 4],
     made: [bool; 4],
     ring: Ring,
 }
 
-/// The pieces towards an irregular corner.
+/// Corner by place, depth, cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Slot {
+    corner: u8,
+    depth: u8,
+    cell: u8,
+}
+
+/// Five by five control points, relative to an origin.
+#[derive(Clone, Copy, Debug)]
+struct Sheet {
+    origin: P4,
+    points: Net<5>,
+}
+
+impl Sheet {
+    #[inline(always)]
+    fn new(origin: P4, points: impl Fn(usize, usize) -> P4) -> Self {
+        let mut out = Self {
+            origin,
+            points: [[P4::ZERO; 5]; 5],
+        };
+        for (r, row) in out.points.iter_mut().enumerate() {
+            for (c, p) in row.iter_mut().enumerate() {
+                *p = points(r, c);
+            }
+        }
+        out
+    }
+
+    /// The patch of a cell: bit 0 is set for the right column, bit 1 for the upper row.
+    fn patch(&self, cell: u8) -> Patch {
+        let (row, col) = (usize::from(cell >> 1), usize::from(cell & 1));
+        Patch::new(self.origin, |r, c| self.points[row + r][col + c])
+    }
+}
+
+const MISSING: u16 = u16::MAX;
+
+/// Numbers of corners by place.
+const CORNERS: [usize; 4] = [0, 1, 3, 2];
+
+/// What is next to an irregular corner, at the depth that was reached.
 #[derive(Clone, Debug, Default)]
 struct Chain {
     limit: P4,
     ring: Ring,
-    /// The net at the corner, seen from it, and its ring, both at the depth that was reached.
+    /// The net, seen from the corner.
     node: Net<4, D4>,
-    /// Of depths 2, 3, …, as the quad lies.
-    sheets: Vec<Sheet>,
+    depth: u32,
+    /// Places of its sheets, from depth 2 on.
+    sheets: Vec<u32>,
 }
 
 impl Default for QuadEvaluator {
@@ -118,64 +170,55 @@ impl Default for QuadEvaluator {
         Self {
             q: 0,
             irregular: false,
-            origin: P4::ZERO,
-            rows: [[0.0; 16]; 4],
+            regular: [true; 4],
+            slots: [[[MISSING; 4]; SHALLOW]; 4],
+            patches: Vec::new(),
             parts: None,
         }
     }
 }
 
-/// A piece of the quad: its rows and the parameter within.
-struct Piece<'a> {
-    rows: [&'a Row; 4],
-    origin: P4,
+/// A parameter of an irregular quad: which patch holds it, and where.
+#[derive(Clone, Copy)]
+struct Spot {
+    slot: Slot,
     at: [f32; 2],
     scale: f32,
 }
 
-/// What stands at a parameter.
-enum Found<'a> {
-    Piece(Piece<'a>),
-    /// The irregular corner of this number.
-    Corner(usize),
-}
-
-impl Piece<'_> {
+impl Spot {
+    /// Depth is 1 at a regular corner. At an irregular one it is 2 from 1/4 on, and one more for every halving of the distance.
+    ///
+    /// Without branches, which parameters at random would make wait.
     #[inline(always)]
-    fn jet<const ORDER: u32>(&self) -> Jet {
-        let v = Weights::at(self.at[1]);
-        let curve = Curve::across::<ORDER>(self.rows, &v);
-        self.end::<ORDER>(&curve, &Weights::at(self.at[0]))
+    fn new(regular: &[bool; 4], u: f32, v: f32) -> Self {
+        let far = [u >= 0.5, v >= 0.5].map(u8::from);
+        // Distances from the nearest corner, 0 to 1/2. Exact, because what is subtracted from 1 is at least 1/2.
+        let from = [(f32::from(far[0]) - u).abs(), (f32::from(far[1]) - v).abs()];
+        let corner = far[0] | far[1] << 1;
+        let most = if from[0] > from[1] { from[0] } else { from[1] };
+        let exponent = (127 - (most.to_bits() >> 23) as i32).max(2);
+        let is_regular = i32::from(regular[corner as usize]);
+        let depth = exponent + (1 - exponent) * is_regular;
+        // Powers of two are exact, and so is what is left beyond the middle of the sheet.
+        let scale = f32::from_bits((127 + depth as u32) << 23);
+        let (mut cell, mut at) = (0, [0.0; 2]);
+        for k in 0..2 {
+            let x = from[k] * scale;
+            let beyond = u8::from(x >= 1.0) & (is_regular as u8 ^ 1);
+            cell |= (beyond ^ far[k]) << k;
+            at[k] = (f32::from(far[k]) - (x - f32::from(beyond))).abs();
+        }
+        Self {
+            slot: Slot {
+                corner,
+                depth: depth as u8,
+                cell,
+            },
+            at,
+            scale,
+        }
     }
-
-    #[inline(always)]
-    fn end<const ORDER: u32>(&self, curve: &Curve, u: &Weights) -> Jet {
-        curve
-            .at::<ORDER>(u, self.origin)
-            .scaled::<ORDER>(self.scale)
-    }
-}
-
-/// Where a parameter lies next to its nearest corner `c`: `s` along the side that leaves the corner, `t` along the one that comes in,
-/// both 0 to 1/2. Exact, because what is subtracted from 1 is at least 1/2.
-#[inline(always)]
-fn from_corner(u: f32, v: f32) -> (usize, [usize; 2], [f32; 2]) {
-    let (col, row) = (usize::from(u >= 0.5), usize::from(v >= 0.5));
-    let c = [[0, 1], [3, 2]][row][col];
-    let st = match c {
-        0 => [u, v],
-        1 => [v, 1.0 - u],
-        2 => [1.0 - u, 1.0 - v],
-        _ => [1.0 - v, u],
-    };
-    (c, [row, col], st)
-}
-
-/// Depth of the piece at (`s`, `t`) from an irregular corner: 2 from 1/4 on, one more for every halving.
-#[inline(always)]
-fn depth_at([s, t]: [f32; 2]) -> u32 {
-    let exponent = 127 - (s.max(t).to_bits() >> 23) as i32;
-    exponent.max(2) as u32
 }
 
 impl QuadEvaluator {
@@ -183,11 +226,13 @@ impl QuadEvaluator {
     pub(crate) fn prepare(&mut self, channel: Channel<'_>, q: u32) {
         let t = channel.topology;
         self.q = q;
-        let regular: [bool; 4] = std::array::from_fn(|c| {
-            channel.linear || t.fans()[t.fan(4 * q + c as u32) as usize].is_regular()
-        });
+        self.patches.clear();
+        let regular = |c: u32| channel.linear || t.fans()[t.fan(4 * q + c) as usize].is_regular();
+        let regular = [regular(0), regular(1), regular(2), regular(3)];
         self.irregular = regular != [true; 4];
         if self.irregular {
+            self.slots = [[[MISSING; 4]; SHALLOW]; 4];
+            self.regular = CORNERS.map(|c| regular[c]);
             let parts = self.parts.get_or_insert_with(|| Box::new(Parts::empty()));
             parts.prepare(channel, q, regular);
             return;
@@ -197,41 +242,62 @@ impl QuadEvaluator {
         } else {
             gather_net(t, channel.points, q)
         };
-        self.origin = net[1][1];
-        for (row, points) in self.rows.iter_mut().zip(&net) {
-            for (out, p) in row.chunks_exact_mut(4).zip(points) {
-                out.copy_from_slice(&(*p - self.origin).0);
-            }
+        let origin = net[1][1];
+        let patch = Patch::new(origin, |r, c| net[r][c] - origin);
+        self.patches.push(patch);
+    }
+
+    /// The patch at (`u`, `v`) of an irregular quad; `None` where it is an irregular corner.
+    #[inline(always)]
+    fn patch(&mut self, channel: Channel<'_>, slot: Slot) -> Option<&Patch> {
+        let depth = slot.depth as usize;
+        let mut at = MISSING;
+        if depth < SHALLOW {
+            at = self.slots[slot.corner as usize][depth][slot.cell as usize];
         }
+        if at == MISSING {
+            at = self.seek(channel, slot)?;
+        }
+        self.patches.get(at as usize)
+    }
+
+    /// The place of a patch that slots do not tell: made, if it has to be.
+    #[inline(never)]
+    fn seek(&mut self, channel: Channel<'_>, slot: Slot) -> Option<u16> {
+        let parts = self.parts.as_mut()?;
+        let depth = slot.depth as usize;
+        if depth > MAX_DEPTH as usize {
+            return None;
+        }
+        if depth >= SHALLOW
+            && let Some(&(_, at)) = parts.deep.iter().find(|d| d.0 == slot)
+        {
+            return Some(at);
+        }
+        let at = self.patches.len() as u16;
+        let sheet = parts.sheet(channel, self.q, slot);
+        self.patches.push(sheet.patch(slot.cell));
+        if depth < SHALLOW {
+            self.slots[slot.corner as usize][depth][slot.cell as usize] = at;
+        } else {
+            parts.deep.push((slot, at));
+        }
+        Some(at)
     }
 
     /// The quad at (`u`, `v`), both in 0…1; `channel` is what the quad was prepared from.
     #[inline(always)]
     pub(crate) fn at<const ORDER: u32>(&mut self, channel: Channel<'_>, u: f32, v: f32) -> Place {
-        if self.irregular {
-            return self.at_irregular::<ORDER>(channel, u, v);
+        if !self.irregular {
+            let [patch, ..] = &self.patches[..] else {
+                return Place::Smooth(Jet::at(F4::splat(0.0)));
+            };
+            return Place::Smooth(patch.jet::<ORDER>(u, v, 1.0));
         }
-        Place::Smooth(self.whole(u, v).jet::<ORDER>())
-    }
-
-    fn at_irregular<const ORDER: u32>(&mut self, channel: Channel<'_>, u: f32, v: f32) -> Place {
-        let Some(parts) = &mut self.parts else {
-            return Place::Smooth(Jet::default());
-        };
-        parts.deepen(channel, self.q, u, v);
-        match parts.find(u, v) {
-            Found::Piece(piece) => Place::Smooth(piece.jet::<ORDER>()),
-            Found::Corner(c) => parts.corner::<ORDER>(channel, self.q, c),
-        }
-    }
-
-    #[inline(always)]
-    fn whole(&self, u: f32, v: f32) -> Piece<'_> {
-        Piece {
-            rows: self.rows.each_ref(),
-            origin: self.origin,
-            at: [u, v],
-            scale: 1.0,
+        let spot = Spot::new(&self.regular, u, v);
+        match self.patch(channel, spot.slot) {
+            Some(patch) => Place::Smooth(patch.jet::<ORDER>(spot.at[0], spot.at[1], spot.scale)),
+            None => corner::<ORDER>(channel, self.q, spot.slot),
         }
     }
 
@@ -245,55 +311,54 @@ impl QuadEvaluator {
     ) {
         let at = |i: u32| i as f32 / n as f32;
         if !self.irregular {
-            let columns: Vec<Weights> = (0..=n).map(|i| Weights::at(at(i))).collect();
             for j in 0..=n {
-                let piece = self.whole(0.0, at(j));
-                let curve = Curve::across::<ORDER>(piece.rows, &Weights::at(at(j)));
-                for u in &columns {
-                    out(Place::Smooth(piece.end::<ORDER>(&curve, u)));
-                }
+                let Some(patch) = self.patches.first() else {
+                    return;
+                };
+                let curve = patch.curve::<ORDER>(at(j));
+                (0..=n).for_each(|i| out(Place::Smooth(curve.jet::<ORDER>(at(i), 1.0))));
             }
             return;
         }
-        let Some(parts) = &mut self.parts else { return };
-        let d = 1.0 / n as f32;
-        for (u, v) in [(d, d), (1.0 - d, d), (1.0 - d, 1.0 - d), (d, 1.0 - d)] {
-            parts.deepen(channel, self.q, u, v);
-        }
         for j in 0..=n {
-            let mut last: Option<(*const Row, Curve)> = None;
+            // Along a row of the grid v is the same all through a patch.
+            let mut last = None;
             for i in 0..=n {
-                match parts.find(at(i), at(j)) {
-                    Found::Corner(c) => {
-                        let place = parts.corner::<ORDER>(channel, self.q, c);
-                        out(place);
-                        last = None;
-                    }
-                    Found::Piece(piece) => {
-                        // Along a row of the grid v is the same all through a piece.
-                        let key = std::ptr::from_ref(piece.rows[0]);
-                        let curve = match &last {
-                            Some((known, curve)) if *known == key => *curve,
-                            _ => Curve::across::<ORDER>(piece.rows, &Weights::at(piece.at[1])),
-                        };
-                        out(Place::Smooth(
-                            piece.end::<ORDER>(&curve, &Weights::at(piece.at[0])),
-                        ));
-                        last = Some((key, curve));
-                    }
-                }
+                let spot = Spot::new(&self.regular, at(i), at(j));
+                let Some(patch) = self.patch(channel, spot.slot) else {
+                    out(corner::<ORDER>(channel, self.q, spot.slot));
+                    continue;
+                };
+                let curve = match &last {
+                    Some((slot, curve)) if *slot == spot.slot => curve,
+                    _ => &last.insert((spot.slot, patch.curve::<ORDER>(spot.at[1]))).1,
+                };
+                out(Place::Smooth(curve.jet::<ORDER>(spot.at[0], spot.scale)));
             }
         }
     }
 }
 
+#[cold]
+fn corner<const ORDER: u32>(channel: Channel<'_>, q: u32, slot: Slot) -> Place {
+    let c = CORNERS[slot.corner as usize];
+    let h = 4 * q + c as u32;
+    let mut ring = Ring::default();
+    ring.gather(channel, h);
+    let mut jet = Jet::at(F4::new(ring.limit().narrow().0));
+    if ORDER > 0 {
+        let [s, t] = ring.tangents(channel, h).map(|t| F4::new(t.narrow().0));
+        (jet.du, jet.dv) = (s, t);
+    }
+    Place::Corner(jet.turned::<ORDER>(c), c)
+}
+
 impl Parts {
     fn empty() -> Self {
         Self {
-            regular: [true; 4],
             net: [[D4::ZERO; 5]; 5],
-            origin: P4::ZERO,
-            sheet: Sheet([[0.0; 20]; 5]),
+            sheets: Vec::new(),
+            deep: Vec::new(),
             chains: [const { None }; 4],
             made: [false; 4],
             ring: Ring::default(),
@@ -301,111 +366,77 @@ impl Parts {
     }
 
     fn prepare(&mut self, channel: Channel<'_>, q: u32, regular: [bool; 4]) {
-        self.regular = regular;
         self.made = [false; 4];
-        let mut near = [Near::EMPTY; 4];
+        self.sheets.clear();
+        self.deep.clear();
+        let mut open = [false; 4];
         for c in 0..4 {
             self.ring.gather(channel, 4 * q + c as u32);
             self.ring.step();
-            near[c] = self.ring.near();
+            put_corner(&mut self.net, c, &self.ring, regular[c]);
+            open[c] = !self.ring.has(-1);
         }
-        self.net = once_refined(&near, regular);
-        let centre = self.net[2][2];
-        self.origin = centre.narrow();
-        self.sheet = Sheet::new(|r, c| (self.net[r][c] - centre).narrow());
+        fill_phantoms(&mut self.net, open);
+        let (net, centre) = (&self.net, self.net[2][2]);
+        self.sheets.push(Sheet::new(centre.narrow(), |r, c| {
+            (net[r][c] - centre).narrow()
+        }));
     }
 
-    /// Makes the pieces that (`u`, `v`) needs.
-    #[inline]
-    fn deepen(&mut self, channel: Channel<'_>, q: u32, u: f32, v: f32) {
-        let (c, _, st) = from_corner(u, v);
-        let depth = depth_at(st);
-        if self.regular[c] || depth > MAX_DEPTH {
-            return;
+    /// The sheet that holds a patch.
+    fn sheet(&mut self, channel: Channel<'_>, q: u32, slot: Slot) -> &Sheet {
+        let c = CORNERS[slot.corner as usize];
+        let mut at = 0;
+        if slot.depth > 1 {
+            let chain = self.chains[c].get_or_insert_with(Box::default);
+            if !self.made[c] {
+                self.made[c] = true;
+                chain.begin(channel, 4 * q + c as u32, c, &self.net);
+            }
+            while chain.depth < u32::from(slot.depth) {
+                chain.sheets.push(self.sheets.len() as u32);
+                chain.deepen(c, &mut self.sheets);
+            }
+            at = chain.sheets[slot.depth as usize - 2] as usize;
         }
-        let chain = self.chains[c].get_or_insert_with(Box::default);
-        if !self.made[c] {
-            self.made[c] = true;
-            chain.begin(channel, 4 * q + c as u32, c, &self.net);
-        }
-        while chain.sheets.len() + 1 < depth as usize {
-            chain.deepen(c);
-        }
-    }
-
-    #[inline]
-    fn find(&self, u: f32, v: f32) -> Found<'_> {
-        let (c, [row, col], st) = from_corner(u, v);
-        if self.regular[c] {
-            return Found::Piece(Piece {
-                rows: self.sheet.rows(row, col),
-                origin: self.origin,
-                at: [2.0 * u - col as f32, 2.0 * v - row as f32],
-                scale: 2.0,
-            });
-        }
-        let depth = depth_at(st);
-        let chain = self.chains[c]
-            .as_ref()
-            .filter(|_| self.made[c])
-            .and_then(|chain| Some((chain, chain.sheets.get((depth as usize).wrapping_sub(2))?)));
-        let Some((chain, sheet)) = chain else {
-            return Found::Corner(c);
-        };
-        // Powers of two are exact, and so is what is left beyond the middle of the sheet.
-        let scale = (1_u64 << depth) as f32;
-        let [s, t] = st.map(|x| x * scale);
-        let (i, j) = (usize::from(s >= 1.0), usize::from(t >= 1.0));
-        let (s, t) = (s - i as f32, t - j as f32);
-        let ([row, col], at) = match c {
-            0 => ([j, i], [s, t]),
-            1 => ([i, 1 - j], [1.0 - t, s]),
-            2 => ([1 - j, 1 - i], [1.0 - s, 1.0 - t]),
-            _ => ([1 - i, j], [t, 1.0 - s]),
-        };
-        Found::Piece(Piece {
-            rows: sheet.rows(row, col),
-            origin: chain.limit,
-            at,
-            scale,
-        })
-    }
-
-    #[cold]
-    fn corner<const ORDER: u32>(&self, channel: Channel<'_>, q: u32, c: usize) -> Place {
-        let h = 4 * q + c as u32;
-        let mut ring = Ring::default();
-        ring.gather(channel, h);
-        let mut jet = Jet {
-            position: ring.limit().narrow(),
-            ..Jet::default()
-        };
-        if ORDER > 0 {
-            let [s, t] = ring.tangents(channel, h).map(D4::narrow);
-            (jet.du, jet.dv) = (s, t);
-        }
-        Place::Corner(jet.turned::<ORDER>(c), c)
+        &self.sheets[at]
     }
 }
 
 impl Chain {
     fn begin(&mut self, channel: Channel<'_>, h: u32, c: usize, net: &Net<5, D4>) {
-        self.sheets.clear();
         self.ring.gather(channel, h);
         let limit = self.ring.limit();
         self.ring.shift(limit);
         self.ring.step();
         let net = turn(net, c);
-        self.node = std::array::from_fn(|r| std::array::from_fn(|k| net[r][k] - limit));
+        for (to, from) in self.node.iter_mut().zip(&net) {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = *from - limit;
+            }
+        }
         self.limit = limit.narrow();
+        self.depth = 1;
+        self.sheets.clear();
     }
 
-    /// One more step towards the corner.
-    fn deepen(&mut self, corner: usize) {
+    /// One more step towards the corner: adds the pieces that it leaves, as the quad lies.
+    fn deepen(&mut self, corner: usize, sheets: &mut Vec<Sheet>) {
         self.ring.step();
-        let next = refine_node(&self.node, &self.ring.near());
-        let own = turn_back(&next, corner);
-        self.sheets.push(Sheet::new(|r, c| own[r][c].narrow()));
-        self.node = std::array::from_fn(|r| std::array::from_fn(|c| next[r][c]));
+        let next = refine_node(&self.node, &self.ring);
+        for (to, from) in self.node.iter_mut().zip(&next) {
+            to.copy_from_slice(&from[..4]);
+        }
+        self.depth += 1;
+        sheets.push(Sheet::new(self.limit, |r, c| {
+            // From the quad's own view to the corner's.
+            let (r, c) = match corner {
+                0 => (r, c),
+                1 => (4 - c, r),
+                2 => (4 - r, 4 - c),
+                _ => (c, 4 - r),
+            };
+            next[r][c].narrow()
+        }));
     }
 }

@@ -8,7 +8,7 @@ use super::MAX_DEPTH;
 use crate::dice::face::Channel;
 use crate::dice::fan_points::{RING_FACES, TangentMask, V3};
 use crate::dice::point::{D4, Point};
-use crate::dice::window::{Near, edge_point, face_point};
+use crate::dice::window::{Around, edge_point, face_point};
 use crate::topology::{Fan, FanRule, NONE};
 
 /// A vertex with its ring. Sector 0 belongs to the quad that asked.
@@ -63,20 +63,20 @@ impl Ring {
             }
         }
         (self.first, self.left) = (-left, left);
-        let mut put = |g: u32| {
-            self.spokes.extend([at(next(g)), at(g ^ 2)]);
-        };
         let (mut g, mut i) = (start, -left);
         let last = if self.closed { reach - 1 } else { reach };
-        put(g);
-        while i < last {
+        loop {
+            self.spokes.push(at(next(g)));
+            self.spokes.push(at(g ^ 2));
+            if i == last {
+                break;
+            }
             let twin = twins[prev(g) as usize];
             if twin == NONE {
                 self.open[1] = true;
                 break;
             }
             (g, i) = (twin, i + 1);
-            put(g);
         }
         self.right = i;
         if !self.closed {
@@ -122,27 +122,6 @@ impl Ring {
         }
         debug_assert!(k >= 0);
         2 * k as usize
-    }
-
-    /// Ring edge `i`.
-    #[inline]
-    pub(super) fn e(&self, i: i32) -> D4 {
-        self.spokes[self.place(i)]
-    }
-    /// Face corner `i`.
-    #[inline]
-    pub(super) fn f(&self, i: i32) -> D4 {
-        self.spokes[self.place(i) + 1]
-    }
-
-    /// The sectors next to the own one.
-    pub(super) fn near(&self) -> Near<D4> {
-        let (left, right) = if self.closed {
-            (2, 2)
-        } else {
-            (self.left, self.right)
-        };
-        Near::from_fn(self.v, left, right, |i| self.e(i), |i| self.f(i))
     }
 
     /// Where the vertex ends up.
@@ -267,5 +246,24 @@ impl Ring {
             let sum = sum.times(scales[k]).0;
             [sum[0], sum[1], sum[2]]
         })
+    }
+}
+
+impl Around<D4> for Ring {
+    #[inline(always)]
+    fn v(&self) -> D4 {
+        self.v
+    }
+    #[inline(always)]
+    fn e(&self, i: i32) -> D4 {
+        self.spokes[self.place(i)]
+    }
+    #[inline(always)]
+    fn f(&self, i: i32) -> D4 {
+        self.spokes[self.place(i) + 1]
+    }
+    #[inline(always)]
+    fn has(&self, i: i32) -> bool {
+        self.closed || (-self.left <= i && i <= self.right)
     }
 }
