@@ -10,17 +10,22 @@
 //!   corner 0 there and its corner 2 in the middle of the polygon; u = k + s stands for (s, v) in that quad, so s runs along the
 //!   polygon's side k as far as its middle, and v along side k − 1, backwards. u = n is the end of the last quad.
 //!
-//! Derivatives are by these u and v. Schemes of triangles take barycentric coordinates instead: (u, v, 1 − u − v) are the weights of
-//! corners 1, 2 and 0.
+//! Derivatives are by these u and v. Surfaces of triangles (Loop's scheme) are to take barycentric coordinates, where (1 − u − v, u, v)
+//! are the weights of corners 0, 1 and 2; they are not evaluated yet, and nothing is found on them.
 //!
 //! # Where derivatives do not exist
 //!
 //! At a vertex of another valence than 4 (on a boundary, of other than 2 faces), derivatives by u and v tend to nothing or to no end, and
 //! second derivatives have no limit. Right at such a corner, and nearer than 2⁻⁴⁰ to it, a sample holds the limit point and the limit
 //! normal of the vertex, and as `du` and `dv` the tangents along the two sides with lengths in the vertex' natural parameters: those of
-//! the flat star of n equal sectors whose spokes come closest to the ring (Stam 1998). For 4 sectors that is the derivative itself.
-//! `second` is `None` there. At corners that stay where they are (of several faces), `du` and `dv` are the sides of the control quad. Everywhere else, however close, the
+//! the flat star of n equal sectors whose spokes come closest to the ring (after Stam, *Exact evaluation of Catmull-Clark subdivision
+//! surfaces at arbitrary parameter values*, 1998). For 4 sectors that is the derivative itself. At corners that stay where they are, of
+//! several faces, `du` and `dv` are the sides of the control quad. `second` is `None` at all of these. Everywhere else, however close,
 //! derivatives are those of the surface.
+//!
+//! Creases that fade are followed until they have faded. Right at a vertex where a crease begins, fades or ends, position and normal are
+//! the limit's, `du` and `dv` those of the deepest control level. Within 2⁻¹⁰ of the end of an infinitely sharp crease inside the surface,
+//! derivatives are those of the smooth rule.
 
 use crate::control::{Kind, TreeChannel};
 use crate::dice::MAX_LEVEL;
@@ -66,6 +71,9 @@ pub enum EvaluateError {
         /// Samples wanted.
         wanted: usize,
     },
+    /// Surfaces of triangles are not evaluated yet.
+    #[error("surfaces of this scheme cannot be evaluated")]
+    Scheme,
 }
 
 /// A place in a mesh of quads.
@@ -90,7 +98,7 @@ struct Source<'a> {
 
 impl<'a> Source<'a> {
     fn new(surface: &'a Surface, kind: Kind) -> Option<Self> {
-        surface.ensure_all();
+        surface.ensure(MAX_LEVEL);
         Some(Self {
             root: surface.channel(kind, None)?,
             below: surface.below(kind, MAX_LEVEL, None),
@@ -263,6 +271,7 @@ impl Surface {
                 wanted: places.len(),
             });
         }
+        let source = Source::new(self, Kind::Points).ok_or(EvaluateError::Scheme)?;
         if let Some(index) = places
             .par_iter()
             .with_min_len(CHUNK)
@@ -270,14 +279,12 @@ impl Surface {
         {
             return Err(EvaluateError::NoSuchPlace { index });
         }
-        if let Some(source) = Source::new(self, Kind::Points) {
-            places
-                .par_chunks(CHUNK)
-                .zip(out.par_chunks_mut(CHUNK))
-                .for_each_init(Batch::default, |batch, (places, out)| {
-                    batch.evaluate(self, &source, places, out);
-                });
-        }
+        places
+            .par_chunks(CHUNK)
+            .zip(out.par_chunks_mut(CHUNK))
+            .for_each_init(Batch::default, |batch, (places, out)| {
+                batch.evaluate(self, &source, places, out);
+            });
         Ok(())
     }
 

@@ -507,13 +507,6 @@ impl Surface {
         self.linear_uv
     }
 
-    /// Makes all control levels there will ever be, at the first call. Unlike [`Surface::ensure`], from any thread.
-    pub(crate) fn ensure_all(&self) {
-        if let Some(control) = &self.control {
-            control.ensure_all();
-        }
-    }
-
     /// Limit of the texture coordinates at corner `h` of the quad mesh.
     pub(crate) fn uv_limit(&self, h: u32) -> Option<[f32; 3]> {
         self.corner_limit(Kind::Uvs, h)

@@ -154,7 +154,6 @@ pub(crate) struct ControlTree {
     options: refine::Options,
     root: ControlLevel,
     deeper: [OnceLock<Option<Box<ControlLevel>>>; MAX_LEVEL as usize],
-    all: OnceLock<()>,
 }
 
 impl ControlTree {
@@ -165,7 +164,6 @@ impl ControlTree {
             root: ControlLevel::new(level, Vec::new(), colors, &owned, &options),
             options,
             deeper: [const { OnceLock::new() }; MAX_LEVEL as usize],
-            all: OnceLock::new(),
         }
     }
 
@@ -212,21 +210,6 @@ impl ControlTree {
         {
             let _ = last.tips.set(last.make_tips(&self.options));
         }
-    }
-
-    /// Makes all levels, whatever threads are at work. A worker that waited for this would take up other work meanwhile, which might
-    /// wait for this as well; so the levels are made on a thread of their own that has its own worker.
-    pub(crate) fn ensure_all(&self) {
-        self.all.get_or_init(|| {
-            std::thread::scope(|scope| {
-                scope.spawn(
-                    || match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
-                        Ok(pool) => pool.install(|| self.ensure(MAX_LEVEL)),
-                        Err(_) => self.ensure(MAX_LEVEL),
-                    },
-                );
-            });
-        });
     }
 
     fn level(&self, depth: u32) -> Option<&ControlLevel> {
