@@ -502,6 +502,11 @@ impl Surface {
         out
     }
 
+    /// Whether texture coordinates are bilinear in each quad.
+    pub(crate) fn has_linear_uvs(&self) -> bool {
+        self.linear_uv
+    }
+
     /// Limit of the texture coordinates at corner `h` of the quad mesh.
     pub(crate) fn uv_limit(&self, h: u32) -> Option<[f32; 3]> {
         self.corner_limit(Kind::Uvs, h)

@@ -26,6 +26,8 @@ pub(crate) enum Suite {
     Frame,
     /// The polygons as given
     Raster,
+    /// Limit points and first derivatives anywhere: one place at a time, from prepared faces, in a batch, on grids of 17 by 17
+    Evaluate,
 }
 
 #[derive(Args, Debug)]
@@ -59,18 +61,18 @@ pub(crate) struct Arguments {
 const REFINE_LEVEL: u32 = 4;
 
 /// Times of one stage over the repetitions.
-struct Row {
+pub(super) struct Row {
     stage: &'static str,
     times: Vec<Time>,
     items: u64,
 }
 
 /// What a suite found.
-struct Outcome {
-    rows: Vec<Row>,
-    faces: u64,
-    microtriangles: u64,
-    pixels: u64,
+pub(super) struct Outcome {
+    pub(super) rows: Vec<Row>,
+    pub(super) faces: u64,
+    pub(super) microtriangles: u64,
+    pub(super) pixels: u64,
 }
 
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
@@ -89,6 +91,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let outcome = match a.suite {
         Suite::Refine => refine(job, a, &mut scene)?,
         Suite::Frame => frame(job, a, &mut scene, a.level.drawing(), true)?,
+        Suite::Evaluate => super::bench_evaluate::evaluate(job, a, &mut scene)?,
         Suite::Raster => frame(job, a, &mut scene, Drawing::Cage, false)?,
     };
     let name = a
@@ -214,7 +217,7 @@ fn items_of(
     }
 }
 
-fn push(
+pub(super) fn push(
     rows: &mut Vec<Row>,
     stage: &'static str,
     time: Time,

@@ -1,6 +1,7 @@
 //! Arguments to verbs, and verbs to exit codes.
 
 mod bench;
+mod bench_evaluate;
 mod exit;
 mod flags;
 mod info;

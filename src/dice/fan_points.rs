@@ -16,7 +16,43 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug)]
 pub(crate) struct TangentMask {
     /// (T1, T2) weights of e0, f0, e1, f1, …; of the vertex at the end.
-    weights: Vec<[f64; 2]>,
+    pub(super) weights: Vec<[f64; 2]>,
+}
+
+impl TangentMask {
+    /// The mask of a fan of `faces` faces.
+    pub(super) fn of(closed: bool, faces: u32) -> Self {
+        if closed {
+            interior_tangents(faces)
+        } else {
+            boundary_tangents(faces)
+        }
+    }
+
+    /// Factors that make the two tangents those of the flat star which the ring is closest to: spokes of unit length at equal angles
+    /// give unit vectors. These are left times right eigenvectors; a right one is the mask with its edge weights divided by 4.
+    pub(super) fn scales(&self, closed: bool) -> [f64; 2] {
+        // Opposite spokes: the mask is ±1 there, and so is the star. The same along a boundary.
+        if closed && self.weights.len() == 5 {
+            return [0.5, 0.5];
+        }
+        let last = self.weights.len() - 2;
+        let product = |k: usize| {
+            let mut sum = 0.0;
+            for (i, w) in self.weights[..=last].iter().enumerate() {
+                // The ends of a boundary do not move in the second mode.
+                if closed || (i > 0 && i < last) {
+                    sum += w[k] * w[k] * if i % 2 == 0 { 0.25 } else { 1.0 };
+                }
+            }
+            if sum > 0.0 { 1.0 / sum } else { 0.0 }
+        };
+        if closed {
+            [product(0), product(1)]
+        } else {
+            [0.5, product(1)]
+        }
+    }
 }
 
 /// Tangent masks of all kinds of irregular fans of a mesh.
@@ -28,13 +64,9 @@ impl TangentMasks {
         let mut masks = BTreeMap::new();
         for fan in t.fans() {
             if fan.first != NONE && fan.rule != FanRule::Corner {
-                masks.entry((fan.closed, fan.faces)).or_insert_with(|| {
-                    if fan.closed {
-                        interior_tangents(fan.faces)
-                    } else {
-                        boundary_tangents(fan.faces)
-                    }
-                });
+                masks
+                    .entry((fan.closed, fan.faces))
+                    .or_insert_with(|| TangentMask::of(fan.closed, fan.faces));
             }
         }
         Self(masks)
@@ -150,9 +182,31 @@ pub(crate) struct FanPoints {
     series: Vec<FanSeries>,
     /// Per fan its place in `series`; [`NONE`] where regular. Depends on topology alone.
     irregular: Vec<u32>,
+    /// The fans of so many faces that nobody should walk their ring more than once per frame, by number.
+    wide: Vec<(u32, WideFan)>,
+}
+
+/// Most faces of a fan whose whole ring is gathered for evaluation.
+pub(super) const RING_FACES: u32 = 64;
+
+/// What evaluation near a vertex of many faces needs of its whole ring; relative to the vertex.
+#[derive(Clone, Debug)]
+pub(super) struct WideFan {
+    /// Means of the edge and the face neighbours; for an open fan the mean of its two ends.
+    pub(super) edges: V3,
+    pub(super) faces: V3,
+    /// Tangents of the flat star, along the first spoke and a quarter turn on.
+    pub(super) tangents: [V3; 2],
+    /// Half-edges out of the vertex, sorted, with their places in the ring.
+    pub(super) places: Vec<(u32, u32)>,
 }
 
 impl FanPoints {
+    pub(super) fn wide(&self, fan: u32) -> Option<&WideFan> {
+        let at = self.wide.binary_search_by_key(&fan, |w| w.0).ok()?;
+        Some(&self.wide[at].1)
+    }
+
     pub(crate) fn series(&self, fan: u32) -> Option<FanSeries> {
         self.series
             .get(self.irregular[fan as usize] as usize)
@@ -181,6 +235,11 @@ impl FanPoints {
             irregular,
             ..Self::default()
         };
+        out.wide = list
+            .iter()
+            .filter(|&&fan| t.fans()[fan as usize].faces > RING_FACES)
+            .map(|&fan| (fan, wide_fan(t, fan, points)))
+            .collect();
         out.series = list
             .par_iter()
             .with_min_len(256)
@@ -206,7 +265,7 @@ impl FanPoints {
     }
 }
 
-type V3 = [f64; 3];
+pub(super) type V3 = [f64; 3];
 
 fn add(a: V3, b: V3, k: f64) -> V3 {
     [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]]
@@ -319,6 +378,27 @@ fn series(t: &Topology, id: u32, points: &[[f32; 3]]) -> FanSeries {
     }
 }
 
+fn wide_fan(t: &Topology, id: u32, points: &[[f32; 3]]) -> WideFan {
+    let fan = t.fans()[id as usize];
+    let mask = TangentMask::of(fan.closed, fan.faces);
+    let s = ring_sums(t, &fan, points, Some(&mask));
+    let scales = mask.scales(fan.closed);
+    let zero = [0.0; 3];
+    let n = f64::from(fan.faces);
+    let mut places: Vec<(u32, u32)> = Ring::of_fan(t, id).zip(0..).collect();
+    places.sort_unstable();
+    WideFan {
+        edges: if fan.closed {
+            add(zero, s.edges, 1.0 / n)
+        } else {
+            add(add(zero, s.ends[0], 0.5), s.ends[1], 0.5)
+        },
+        faces: add(zero, s.faces, 1.0 / n),
+        tangents: [0, 1].map(|k| add(zero, s.tangents[k], scales[k])),
+        places,
+    }
+}
+
 /// What the point of a fan becomes in one step of a mesh of any polygons; `faces` are its new face points.
 pub(crate) fn step_fan(t: &Topology, id: u32, points: &[[f32; 3]], faces: &[[f32; 3]]) -> [f32; 3] {
     let fan = t.fans()[id as usize];
@@ -421,6 +501,36 @@ mod tests {
                     let size: f64 = mask.weights.iter().map(|w| w[k].abs()).sum();
                     assert!(sum.abs() <= 1e-12 * size, "{n} {k}: {sum}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn tangents_of_a_flat_star_are_its_spokes() {
+        for n in 3..=40 {
+            for closed in [true, false] {
+                let mask = TangentMask::of(closed, n);
+                let scales = mask.scales(closed);
+                let turn = if closed { 2.0 } else { 1.0 } * std::f64::consts::PI / f64::from(n);
+                // Along the first spoke and across, of the right eigenvector.
+                let c = mask.weights[1][1] / libm::sin(turn);
+                let mut sums = [[0.0; 2]; 2];
+                for (i, w) in mask.weights[..mask.weights.len() - 1].iter().enumerate() {
+                    let (a, b) = (turn * (i / 2) as f64, turn * (i / 2 + 1) as f64);
+                    let p = if i % 2 == 0 {
+                        [libm::cos(a), libm::sin(a)]
+                    } else {
+                        [libm::cos(a) + libm::cos(b), libm::sin(a) + libm::sin(b)].map(|x| c * x)
+                    };
+                    for k in 0..2 {
+                        for j in 0..2 {
+                            sums[k][j] += w[k] * scales[k] * p[j];
+                        }
+                    }
+                }
+                assert!((sums[1][1] - 1.0).abs() < 1e-12, "{closed} {n} {sums:?}");
+                assert!((sums[0][0] - 1.0).abs() < 1e-12, "{closed} {n} {sums:?}");
+                assert!(sums[0][1].abs() < 1e-12, "{closed} {n} {sums:?}");
             }
         }
     }

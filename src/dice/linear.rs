@@ -18,6 +18,13 @@ fn at(c: [P4; 4], i: usize, j: usize) -> P4 {
     low * (1.0 - t) + high * t
 }
 
+/// The net of quad `q`.
+pub(super) fn net(channel: Channel<'_>, q: u32) -> Net<4> {
+    let vertex = |c: usize| channel.topology.vertex(4 * q + c as u32);
+    let corners = std::array::from_fn(|c| P4::new(channel.points[vertex(c) as usize]));
+    std::array::from_fn(|j| std::array::from_fn(|i| at(corners, i, j)))
+}
+
 impl FacePatch {
     /// Prepares quad `q` as a bilinear patch.
     pub(super) fn prepare_linear(&mut self, channel: Channel<'_>, q: u32) {

@@ -4,6 +4,7 @@
 mod basis;
 pub(crate) mod control;
 mod edge;
+pub(crate) mod evaluate;
 pub(crate) mod face;
 pub(crate) mod fan_points;
 mod linear;

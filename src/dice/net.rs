@@ -1,12 +1,12 @@
 //! Nets of control points around a quad: gathered, filled up beyond boundaries, refined, and turned to a corner's view.
 
 use super::edge::Strip;
-use super::point::P4;
-use super::window::{Near, Window, edge_point, face_point, vertex_point};
+use super::point::{P4, Point};
+use super::window::{Around, Near, Window, edge_point, face_point, vertex_point};
 use crate::topology::{FanRule, NONE, Topology};
 
 /// A square of control points, row by row.
-pub(super) type Net<const N: usize> = [[P4; N]; N];
+pub(super) type Net<const N: usize, P = P4> = [[P; N]; N];
 
 /// The 16 control points of a regular quad; phantoms `2a − b` stand where a boundary leaves a row or column out.
 pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
@@ -22,6 +22,9 @@ pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
     ];
     const DIAGONAL: [(usize, usize); 4] = [(0, 0), (0, 3), (3, 3), (3, 0)];
     let mut open = [false; 4];
+    // The mesh is one of quads: half-edges around a face by arithmetic.
+    let after = |h: u32| (h & !3) | ((h + 1) & 3);
+    let before = |h: u32| (h & !3) | ((h + 3) & 3);
     for c in 0..4 {
         let h = 4 * q + c as u32;
         net[INNER[c].0][INNER[c].1] = at(h);
@@ -30,13 +33,12 @@ pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
             open[c] = true;
             continue;
         }
-        let below = t.next(twin);
         let [first, second] = BEYOND[c];
-        net[first.0][first.1] = at(t.next(below));
-        net[second.0][second.1] = at(t.prev(twin));
-        let diagonal = t.rotate_back(below);
+        net[first.0][first.1] = at(twin ^ 2);
+        net[second.0][second.1] = at(before(twin));
+        let diagonal = t.twin(after(twin));
         if diagonal != NONE {
-            net[DIAGONAL[c].0][DIAGONAL[c].1] = at(t.next(t.next(diagonal)));
+            net[DIAGONAL[c].0][DIAGONAL[c].1] = at(after(diagonal) ^ 2);
         }
     }
     fill_phantoms(&mut net, open);
@@ -44,21 +46,21 @@ pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
 }
 
 /// Fills the rows and columns beyond the sides that are open; columns first, so that at a corner of two open sides both agree.
-pub(super) fn fill_phantoms<const N: usize>(net: &mut Net<N>, open: [bool; 4]) {
+pub(super) fn fill_phantoms<const N: usize, P: Point>(net: &mut Net<N, P>, open: [bool; 4]) {
     let last = N - 1;
     for row in net.iter_mut() {
         if open[3] {
-            row[0] = P4::beyond(row[1], row[2]);
+            row[0] = P::beyond(row[1], row[2]);
         }
         if open[1] {
-            row[last] = P4::beyond(row[last - 1], row[last - 2]);
+            row[last] = P::beyond(row[last - 1], row[last - 2]);
         }
     }
     if open[0] {
-        net[0] = std::array::from_fn(|c| P4::beyond(net[1][c], net[2][c]));
+        net[0] = std::array::from_fn(|c| P::beyond(net[1][c], net[2][c]));
     }
     if open[2] {
-        net[last] = std::array::from_fn(|c| P4::beyond(net[last - 1][c], net[last - 2][c]));
+        net[last] = std::array::from_fn(|c| P::beyond(net[last - 1][c], net[last - 2][c]));
     }
 }
 
@@ -73,7 +75,7 @@ pub(super) fn side_strip(net: &Net<4>, c: usize) -> Strip {
 }
 
 /// The net seen from corner `c`: its outgoing side becomes the bottom row.
-pub(super) fn turn<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
+pub(super) fn turn<const N: usize, P: Point>(net: &Net<N, P>, c: usize) -> Net<N, P> {
     let m = N - 1;
     std::array::from_fn(|t| {
         std::array::from_fn(|s| match c {
@@ -123,42 +125,52 @@ pub(super) fn regular_vertex(w: &Window, rule: FanRule) -> P4 {
 /// The 5×5 net after one step around a quad, from the windows of its corners at depth 1. Points beyond irregular corners stay zero.
 pub(super) fn once_refined(w: &[Near; 4], regular: [bool; 4]) -> Net<5> {
     let mut net = [[P4::ZERO; 5]; 5];
-    net[2][2] = w[0].f(0);
-    let mut open = [false; 4];
     for c in 0..4 {
-        // Seen from corner c, written back to the face's own places.
-        let mut put = |row: usize, col: usize, p: P4| {
-            let (r, k) = match c {
-                0 => (row, col),
-                1 => (col, 4 - row),
-                2 => (4 - row, 4 - col),
-                _ => (4 - col, row),
-            };
-            net[r][k] = p;
-        };
-        put(1, 1, w[c].v);
-        put(1, 2, w[c].e(0));
-        if w[c].has(-1) {
-            put(0, 1, w[c].e(-1));
-            put(0, 2, w[c].f(-1));
-        } else {
-            open[c] = true;
-        }
-        if w[c].has(1) {
-            put(1, 0, w[c].e(2));
-        }
-        if regular[c] && w[c].has(-1) && w[c].has(1) && w[c].has(2) {
-            put(0, 0, w[c].f(2));
-        }
+        put_corner(&mut net, c, &w[c], regular[c]);
     }
-    fill_phantoms(&mut net, open);
+    fill_phantoms(&mut net, std::array::from_fn(|c| !w[c].has(-1)));
     net
 }
 
+/// Puts what is around corner `c` at depth 1 in its place of the 5×5 net.
+#[inline(always)]
+pub(super) fn put_corner<P: Point>(
+    net: &mut Net<5, P>,
+    c: usize,
+    w: &impl Around<P>,
+    regular: bool,
+) {
+    // Seen from corner c, written back to the face's own places.
+    let mut put = |row: usize, col: usize, p: P| {
+        let (r, k) = match c {
+            0 => (row, col),
+            1 => (col, 4 - row),
+            2 => (4 - row, 4 - col),
+            _ => (4 - col, row),
+        };
+        net[r][k] = p;
+    };
+    if c == 0 {
+        put(2, 2, w.f(0));
+    }
+    put(1, 1, w.v());
+    put(1, 2, w.e(0));
+    if w.has(-1) {
+        put(0, 1, w.e(-1));
+        put(0, 2, w.f(-1));
+    }
+    if w.has(1) {
+        put(1, 0, w.e(2));
+    }
+    if regular && w.has(-1) && w.has(1) && w.has(2) {
+        put(0, 0, w.f(2));
+    }
+}
+
 /// One step of the net around an irregular corner at `node[1][1]`; `w` is the corner's window after the step.
-pub(super) fn refine_node(node: &Net<4>, w: &Near) -> Net<5> {
+pub(super) fn refine_node<P: Point>(node: &Net<4, P>, w: &impl Around<P>) -> Net<5, P> {
     let n = node;
-    let mut out = [[P4::ZERO; 5]; 5];
+    let mut out = [[P::ZERO; 5]; 5];
     let face = |r: usize, c: usize| face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c]);
     let vertex = |r: usize, c: usize| {
         vertex_point(std::array::from_fn(|i| {
@@ -168,7 +180,7 @@ pub(super) fn refine_node(node: &Net<4>, w: &Near) -> Net<5> {
     // Edge points: along a row between columns c and c + 1, along a column between rows r and r + 1.
     let across = |r: usize, c: usize| edge_point(n[r][c], n[r][c + 1], face(r - 1, c), face(r, c));
     let along = |r: usize, c: usize| edge_point(n[r][c], n[r + 1][c], face(r, c - 1), face(r, c));
-    out[1][1] = w.v;
+    out[1][1] = w.v();
     out[1][2] = w.e(0);
     out[2][2] = w.f(0);
     out[2][1] = w.e(1);

@@ -1,6 +1,20 @@
-//! The point type of the dicing code: three coordinates in four lanes, so that one SSE register holds a point.
+//! The point types of the dicing code: three coordinates in four lanes, so that one SSE register holds a point; and the same in `f64`,
+//! for evaluation close to irregular vertices.
 
 use std::ops::{Add, Mul, Sub};
+
+/// What masks need of a point.
+pub(crate) trait Point:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self>
+{
+    /// The origin.
+    const ZERO: Self;
+    /// `2a − b`: the phantom point beyond a boundary, which keeps the boundary curve free of what lies inside.
+    #[inline(always)]
+    fn beyond(a: Self, b: Self) -> Self {
+        (a + a) - b
+    }
+}
 
 /// A point or vector; the fourth lane is zero and takes part in nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,10 +32,10 @@ impl P4 {
     pub(crate) fn xyz(self) -> [f32; 3] {
         [self.0[0], self.0[1], self.0[2]]
     }
-    /// `2a − b`: the phantom point beyond a boundary, which keeps the boundary curve free of what lies inside.
+    /// `2a − b`, as [`Point::beyond`].
     #[inline(always)]
     pub(crate) fn beyond(a: Self, b: Self) -> Self {
-        (a + a) - b
+        Point::beyond(a, b)
     }
     #[inline(always)]
     pub(crate) fn cross(self, o: Self) -> Self {
@@ -49,6 +63,10 @@ impl P4 {
         let l = s.dot(s).sqrt();
         Some(Self([s.0[0] / l, s.0[1] / l, s.0[2] / l, 0.0]))
     }
+}
+
+impl Point for P4 {
+    const ZERO: Self = Self([0.0; 4]);
 }
 
 impl Add for P4 {
@@ -80,5 +98,60 @@ impl Mul<f32> for P4 {
     #[inline(always)]
     fn mul(self, k: f32) -> Self {
         Self([self.0[0] * k, self.0[1] * k, self.0[2] * k, self.0[3] * k])
+    }
+}
+
+/// A point in double precision.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub(crate) struct D4(pub(crate) [f64; 4]);
+
+impl D4 {
+    #[inline(always)]
+    pub(crate) fn new(p: [f64; 3]) -> Self {
+        Self([p[0], p[1], p[2], 0.0])
+    }
+    /// The point of a mesh.
+    #[inline(always)]
+    pub(crate) fn wide(p: [f32; 3]) -> Self {
+        Self([f64::from(p[0]), f64::from(p[1]), f64::from(p[2]), 0.0])
+    }
+    #[inline(always)]
+    pub(crate) fn narrow(self) -> P4 {
+        let a = self.0;
+        P4([a[0] as f32, a[1] as f32, a[2] as f32, a[3] as f32])
+    }
+    #[inline(always)]
+    pub(crate) fn times(self, k: f64) -> Self {
+        let a = self.0;
+        Self([a[0] * k, a[1] * k, a[2] * k, a[3] * k])
+    }
+}
+
+impl Point for D4 {
+    const ZERO: Self = Self([0.0; 4]);
+}
+
+impl Add for D4 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        let (a, b) = (self.0, o.0);
+        Self([a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]])
+    }
+}
+impl Sub for D4 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        let (a, b) = (self.0, o.0);
+        Self([a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]])
+    }
+}
+impl Mul<f32> for D4 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, k: f32) -> Self {
+        self.times(f64::from(k))
     }
 }

@@ -7,7 +7,7 @@
 //! bits seen from every face around the vertex.
 
 use super::basis::MAX_LEVEL;
-use super::point::P4;
+use super::point::{P4, Point};
 use crate::topology::{NONE, Topology};
 
 /// Most sectors to either side: one for every step, one for the net, one to spare for the rows opposite an edge.
@@ -191,21 +191,51 @@ impl Near {
     }
 }
 
+/// A vertex with the part of its ring that is at hand; sector 0 is the own one.
+pub(crate) trait Around<P> {
+    fn v(&self) -> P;
+    /// Ring edge `i`.
+    fn e(&self, i: i32) -> P;
+    /// Face corner `i`.
+    fn f(&self, i: i32) -> P;
+    /// Whether sector `i` is there.
+    fn has(&self, i: i32) -> bool;
+}
+
+impl Around<P4> for Near {
+    #[inline(always)]
+    fn v(&self) -> P4 {
+        self.v
+    }
+    #[inline(always)]
+    fn e(&self, i: i32) -> P4 {
+        self.e(i)
+    }
+    #[inline(always)]
+    fn f(&self, i: i32) -> P4 {
+        self.f(i)
+    }
+    #[inline(always)]
+    fn has(&self, i: i32) -> bool {
+        self.has(i)
+    }
+}
+
 /// Centroid of the quad a, b, c, d.
 #[inline(always)]
-pub(crate) fn face_point(a: P4, b: P4, c: P4, d: P4) -> P4 {
+pub(crate) fn face_point<P: Point>(a: P, b: P, c: P, d: P) -> P {
     ((a + c) + (b + d)) * 0.25
 }
 
 /// Smooth edge point of edge a–b between the face points f and g.
 #[inline(always)]
-pub(crate) fn edge_point(a: P4, b: P4, f: P4, g: P4) -> P4 {
+pub(crate) fn edge_point<P: Point>(a: P, b: P, f: P, g: P) -> P {
     ((a + b) + (f + g)) * 0.25
 }
 
 /// Smooth point of a valence-4 vertex in the middle of a 3×3 net.
 #[inline(always)]
-pub(crate) fn vertex_point(n: [[P4; 3]; 3]) -> P4 {
+pub(crate) fn vertex_point<P: Point>(n: [[P; 3]; 3]) -> P {
     let corners = (n[0][0] + n[2][2]) + (n[0][2] + n[2][0]);
     let sides = (n[0][1] + n[2][1]) + (n[1][0] + n[1][2]);
     (n[1][1] * 36.0 + sides * 6.0 + corners) * (1.0 / 64.0)

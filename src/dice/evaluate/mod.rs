@@ -1,0 +1,442 @@
+//! The limit surface of one quad at any parameter: position, derivatives, and what they are at the corners.
+//!
+//! The same pieces as in [`face`](super::face), made only where a parameter falls: a regular quad is one bicubic B-spline; any other is
+//! split once, and towards an irregular corner as often as the parameter is close to it (Stam 1998, with refinement in place of the
+//! eigenvectors). Pieces are kept, so the next parameter nearby costs one B-spline. Refinement near a corner is in `f64`, relative to the
+//! corner's limit; pieces are `f32`, relative to a point of their own, so that derivatives of small faces far from the origin lose
+//! nothing.
+
+mod ring;
+mod spline;
+
+use super::control::Descend;
+use super::face::Channel;
+use super::linear;
+use super::net::{Net, fill_phantoms, gather_net, put_corner, refine_node, turn};
+use super::point::{D4, P4, Point};
+use super::window::Around;
+use ring::Ring;
+pub(crate) use spline::Jet;
+use spline::{F4, Patch};
+
+/// Parameters nearer than 2 to the minus this many to an irregular corner are the corner's.
+pub(crate) const MAX_DEPTH: u32 = 40;
+
+/// What a quad is at a parameter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Place {
+    /// Inside, on a side, or at a regular corner.
+    Smooth(Jet),
+    /// At irregular corner `.1`: second derivatives do not exist, first ones are those of the flat star.
+    Corner(Jet, usize),
+}
+
+/// The patch that holds a parameter of a quad.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaf<'a> {
+    /// The control level that the patch belongs to.
+    pub(crate) channel: Channel<'a>,
+    pub(crate) depth: u32,
+    pub(crate) quad: u32,
+    /// The parameter on the patch, which is 2 to the minus `depth` as large as the quad.
+    pub(crate) at: [f32; 2],
+    /// A corner that is a feature, if the parameter is that corner.
+    pub(crate) tip: Option<usize>,
+}
+
+/// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch.
+pub(crate) fn leaf<'a>(below: &'a dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<'a>> {
+    let root = below.at(0)?;
+    root.first_child(q)?;
+    let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+        .iter()
+        .position(|&at| at == [u, v]);
+    let tip = corner.filter(|&c| root.features[root.whole.vertex(4 * q + c as u32) as usize]);
+    let (mut view, mut depth, mut quad, mut at) = (root, 0, q, [u, v]);
+    while let Some(first) = view.first_child(quad) {
+        // Below the last level there is nothing: darts end there.
+        let Some(next) = below.at(depth + 1) else {
+            break;
+        };
+        let [col, row] = at.map(|x| usize::from(x >= 0.5));
+        quad = first + [[0, 1], [3, 2]][row][col];
+        at = [2.0 * at[0] - col as f32, 2.0 * at[1] - row as f32];
+        (view, depth) = (next, depth + 1);
+    }
+    Some(Leaf {
+        channel: Channel {
+            topology: view.topology,
+            points: view.points,
+            fans: view.fans,
+            below: None,
+            linear: false,
+        },
+        depth,
+        quad,
+        at,
+        tip,
+    })
+}
+
+/// One quad of a mesh, ready to be evaluated; to be prepared again for the next.
+#[derive(Clone, Debug)]
+pub(crate) struct QuadEvaluator {
+    q: u32,
+    irregular: bool,
+    /// Of an irregular quad: corners by place, where bit 0 is set at u = 1, bit 1 at v = 1.
+    regular: [bool; 4],
+    /// Places in `patches` by corner (by place), depth and cell of the sheet; [`MISSING`] if not made.
+    slots: [[[u16; 4]; SHALLOW]; 4],
+    /// The quad itself, or its pieces as parameters have asked for them.
+    patches: Vec<Patch>,
+    /// Kept while the quad is regular, for its memory.
+    parts: Option<Box<Parts>>,
+}
+
+/// Depths that are found without a search.
+const SHALLOW: usize = 8;
+
+/// What pieces of an irregular quad are made of.
+#[derive(Clone, Debug)]
+struct Parts {
+    /// The net after one step.
+    net: Net<5, D4>,
+    /// Control points of pieces: first those of depth 1, around the middle, then what the corners have left.
+    sheets: Vec<Sheet>,
+    /// Patches deeper than slots go.
+    deep: Vec<(Slot, u16)>,
+    /// Kept from quad to quad for their memory; `made` are of this one. By number of the corner.
+    chains: [Option<Box<Chain>>; 4],
+    made: [bool; 4],
+    ring: Ring,
+}
+
+/// Corner by place, depth, cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Slot {
+    corner: u8,
+    depth: u8,
+    cell: u8,
+}
+
+/// Five by five control points, relative to an origin.
+#[derive(Clone, Copy, Debug)]
+struct Sheet {
+    origin: P4,
+    points: Net<5>,
+}
+
+impl Sheet {
+    #[inline(always)]
+    fn new(origin: P4, points: impl Fn(usize, usize) -> P4) -> Self {
+        let mut out = Self {
+            origin,
+            points: [[P4::ZERO; 5]; 5],
+        };
+        for (r, row) in out.points.iter_mut().enumerate() {
+            for (c, p) in row.iter_mut().enumerate() {
+                *p = points(r, c);
+            }
+        }
+        out
+    }
+
+    /// The patch of a cell: bit 0 is set for the right column, bit 1 for the upper row.
+    fn patch(&self, cell: u8) -> Patch {
+        let (row, col) = (usize::from(cell >> 1), usize::from(cell & 1));
+        Patch::new(self.origin, |r, c| self.points[row + r][col + c])
+    }
+}
+
+const MISSING: u16 = u16::MAX;
+
+/// Numbers of corners by place.
+const CORNERS: [usize; 4] = [0, 1, 3, 2];
+
+/// What is next to an irregular corner, at the depth that was reached.
+#[derive(Clone, Debug, Default)]
+struct Chain {
+    limit: P4,
+    ring: Ring,
+    /// The net, seen from the corner.
+    node: Net<4, D4>,
+    depth: u32,
+    /// Places of its sheets, from depth 2 on.
+    sheets: Vec<u32>,
+}
+
+impl Default for QuadEvaluator {
+    fn default() -> Self {
+        Self {
+            q: 0,
+            irregular: false,
+            regular: [true; 4],
+            slots: [[[MISSING; 4]; SHALLOW]; 4],
+            patches: Vec::new(),
+            parts: None,
+        }
+    }
+}
+
+/// A parameter of an irregular quad: which patch holds it, and where.
+#[derive(Clone, Copy)]
+struct Spot {
+    slot: Slot,
+    at: [f32; 2],
+    scale: f32,
+}
+
+impl Spot {
+    /// Depth is 1 at a regular corner. At an irregular one it is 2 from 1/4 on, and one more for every halving of the distance.
+    ///
+    /// Without branches, which parameters at random would make wait.
+    #[inline(always)]
+    fn new(regular: &[bool; 4], u: f32, v: f32) -> Self {
+        let far = [u >= 0.5, v >= 0.5].map(u8::from);
+        // Distances from the nearest corner, 0 to 1/2. Exact, because what is subtracted from 1 is at least 1/2.
+        let from = [(f32::from(far[0]) - u).abs(), (f32::from(far[1]) - v).abs()];
+        let corner = far[0] | far[1] << 1;
+        let most = if from[0] > from[1] { from[0] } else { from[1] };
+        let exponent = (127 - (most.to_bits() >> 23) as i32).max(2);
+        let is_regular = i32::from(regular[corner as usize]);
+        let depth = exponent + (1 - exponent) * is_regular;
+        // Powers of two are exact, and so is what is left beyond the middle of the sheet.
+        let scale = f32::from_bits((127 + depth as u32) << 23);
+        let (mut cell, mut at) = (0, [0.0; 2]);
+        for k in 0..2 {
+            let x = from[k] * scale;
+            let beyond = u8::from(x >= 1.0) & (is_regular as u8 ^ 1);
+            cell |= (beyond ^ far[k]) << k;
+            at[k] = (f32::from(far[k]) - (x - f32::from(beyond))).abs();
+        }
+        Self {
+            slot: Slot {
+                corner,
+                depth: depth as u8,
+                cell,
+            },
+            at,
+            scale,
+        }
+    }
+}
+
+impl QuadEvaluator {
+    /// Prepares quad `q`.
+    pub(crate) fn prepare(&mut self, channel: Channel<'_>, q: u32) {
+        let t = channel.topology;
+        self.q = q;
+        self.patches.clear();
+        let regular = |c: u32| channel.linear || t.fans()[t.fan(4 * q + c) as usize].is_regular();
+        let regular = [regular(0), regular(1), regular(2), regular(3)];
+        self.irregular = regular != [true; 4];
+        if self.irregular {
+            self.slots = [[[MISSING; 4]; SHALLOW]; 4];
+            self.regular = CORNERS.map(|c| regular[c]);
+            let parts = self.parts.get_or_insert_with(|| Box::new(Parts::empty()));
+            parts.prepare(channel, q, regular);
+            return;
+        }
+        let net = if channel.linear {
+            linear::net(channel, q)
+        } else {
+            gather_net(t, channel.points, q)
+        };
+        let origin = net[1][1];
+        let patch = Patch::new(origin, |r, c| net[r][c] - origin);
+        self.patches.push(patch);
+    }
+
+    /// The patch at (`u`, `v`) of an irregular quad; `None` where it is an irregular corner.
+    #[inline(always)]
+    fn patch(&mut self, channel: Channel<'_>, slot: Slot) -> Option<&Patch> {
+        let depth = slot.depth as usize;
+        let mut at = MISSING;
+        if depth < SHALLOW {
+            at = self.slots[slot.corner as usize][depth][slot.cell as usize];
+        }
+        if at == MISSING {
+            at = self.seek(channel, slot)?;
+        }
+        self.patches.get(at as usize)
+    }
+
+    /// The place of a patch that slots do not tell: made, if it has to be.
+    #[inline(never)]
+    fn seek(&mut self, channel: Channel<'_>, slot: Slot) -> Option<u16> {
+        let parts = self.parts.as_mut()?;
+        let depth = slot.depth as usize;
+        if depth > MAX_DEPTH as usize {
+            return None;
+        }
+        if depth >= SHALLOW
+            && let Some(&(_, at)) = parts.deep.iter().find(|d| d.0 == slot)
+        {
+            return Some(at);
+        }
+        let at = self.patches.len() as u16;
+        let sheet = parts.sheet(channel, self.q, slot);
+        self.patches.push(sheet.patch(slot.cell));
+        if depth < SHALLOW {
+            self.slots[slot.corner as usize][depth][slot.cell as usize] = at;
+        } else {
+            parts.deep.push((slot, at));
+        }
+        Some(at)
+    }
+
+    /// The quad at (`u`, `v`), both in 0…1; `channel` is what the quad was prepared from.
+    #[inline(always)]
+    pub(crate) fn at<const ORDER: u32>(&mut self, channel: Channel<'_>, u: f32, v: f32) -> Place {
+        if !self.irregular {
+            let [patch, ..] = &self.patches[..] else {
+                return Place::Smooth(Jet::at(F4::splat(0.0)));
+            };
+            return Place::Smooth(patch.jet::<ORDER>(u, v, 1.0));
+        }
+        let spot = Spot::new(&self.regular, u, v);
+        match self.patch(channel, spot.slot) {
+            Some(patch) => Place::Smooth(patch.jet::<ORDER>(spot.at[0], spot.at[1], spot.scale)),
+            None => corner::<ORDER>(channel, self.q, spot.slot),
+        }
+    }
+
+    /// The quad on a grid of `n` by `n` segments, row by row, u first.
+    #[inline(always)]
+    pub(crate) fn grid<const ORDER: u32>(
+        &mut self,
+        channel: Channel<'_>,
+        n: u32,
+        mut out: impl FnMut(Place),
+    ) {
+        let at = |i: u32| i as f32 / n as f32;
+        if !self.irregular {
+            for j in 0..=n {
+                let Some(patch) = self.patches.first() else {
+                    return;
+                };
+                let curve = patch.curve::<ORDER>(at(j));
+                (0..=n).for_each(|i| out(Place::Smooth(curve.jet::<ORDER>(at(i), 1.0))));
+            }
+            return;
+        }
+        for j in 0..=n {
+            // Along a row of the grid v is the same all through a patch.
+            let mut last = None;
+            for i in 0..=n {
+                let spot = Spot::new(&self.regular, at(i), at(j));
+                let Some(patch) = self.patch(channel, spot.slot) else {
+                    out(corner::<ORDER>(channel, self.q, spot.slot));
+                    continue;
+                };
+                let curve = match &last {
+                    Some((slot, curve)) if *slot == spot.slot => curve,
+                    _ => &last.insert((spot.slot, patch.curve::<ORDER>(spot.at[1]))).1,
+                };
+                out(Place::Smooth(curve.jet::<ORDER>(spot.at[0], spot.scale)));
+            }
+        }
+    }
+}
+
+#[cold]
+fn corner<const ORDER: u32>(channel: Channel<'_>, q: u32, slot: Slot) -> Place {
+    let c = CORNERS[slot.corner as usize];
+    let h = 4 * q + c as u32;
+    let mut ring = Ring::default();
+    ring.gather(channel, h);
+    let mut jet = Jet::at(F4::new(ring.limit().narrow().0));
+    if ORDER > 0 {
+        let [s, t] = ring.tangents(channel, h).map(|t| F4::new(t.narrow().0));
+        (jet.du, jet.dv) = (s, t);
+    }
+    Place::Corner(jet.turned::<ORDER>(c), c)
+}
+
+impl Parts {
+    fn empty() -> Self {
+        Self {
+            net: [[D4::ZERO; 5]; 5],
+            sheets: Vec::new(),
+            deep: Vec::new(),
+            chains: [const { None }; 4],
+            made: [false; 4],
+            ring: Ring::default(),
+        }
+    }
+
+    fn prepare(&mut self, channel: Channel<'_>, q: u32, regular: [bool; 4]) {
+        self.made = [false; 4];
+        self.sheets.clear();
+        self.deep.clear();
+        let mut open = [false; 4];
+        for c in 0..4 {
+            self.ring.gather(channel, 4 * q + c as u32);
+            self.ring.step();
+            put_corner(&mut self.net, c, &self.ring, regular[c]);
+            open[c] = !self.ring.has(-1);
+        }
+        fill_phantoms(&mut self.net, open);
+        let (net, centre) = (&self.net, self.net[2][2]);
+        self.sheets.push(Sheet::new(centre.narrow(), |r, c| {
+            (net[r][c] - centre).narrow()
+        }));
+    }
+
+    /// The sheet that holds a patch.
+    fn sheet(&mut self, channel: Channel<'_>, q: u32, slot: Slot) -> &Sheet {
+        let c = CORNERS[slot.corner as usize];
+        let mut at = 0;
+        if slot.depth > 1 {
+            let chain = self.chains[c].get_or_insert_with(Box::default);
+            if !self.made[c] {
+                self.made[c] = true;
+                chain.begin(channel, 4 * q + c as u32, c, &self.net);
+            }
+            while chain.depth < u32::from(slot.depth) {
+                chain.sheets.push(self.sheets.len() as u32);
+                chain.deepen(c, &mut self.sheets);
+            }
+            at = chain.sheets[slot.depth as usize - 2] as usize;
+        }
+        &self.sheets[at]
+    }
+}
+
+impl Chain {
+    fn begin(&mut self, channel: Channel<'_>, h: u32, c: usize, net: &Net<5, D4>) {
+        self.ring.gather(channel, h);
+        let limit = self.ring.limit();
+        self.ring.shift(limit);
+        self.ring.step();
+        let net = turn(net, c);
+        for (to, from) in self.node.iter_mut().zip(&net) {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = *from - limit;
+            }
+        }
+        self.limit = limit.narrow();
+        self.depth = 1;
+        self.sheets.clear();
+    }
+
+    /// One more step towards the corner: adds the pieces that it leaves, as the quad lies.
+    fn deepen(&mut self, corner: usize, sheets: &mut Vec<Sheet>) {
+        self.ring.step();
+        let next = refine_node(&self.node, &self.ring);
+        for (to, from) in self.node.iter_mut().zip(&next) {
+            to.copy_from_slice(&from[..4]);
+        }
+        self.depth += 1;
+        sheets.push(Sheet::new(self.limit, |r, c| {
+            // From the quad's own view to the corner's.
+            let (r, c) = match corner {
+                0 => (r, c),
+                1 => (4 - c, r),
+                2 => (4 - r, 4 - c),
+                _ => (c, 4 - r),
+            };
+            next[r][c].narrow()
+        }));
+    }
+}

@@ -1,0 +1,269 @@
+//! What an evaluation gives, in three sizes.
+
+use super::Local;
+use crate::dice::evaluate::{Jet, Place as Found, QuadEvaluator};
+use crate::dice::face::Channel;
+use crate::math;
+
+/// The limit surface at one place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Limit point.
+    pub position: [f32; 3],
+    /// First derivative by u.
+    pub du: [f32; 3],
+    /// First derivative by v.
+    pub dv: [f32; 3],
+    /// Unit normal, `du` × `dv`; where the surface has none, a defined unit vector.
+    pub normal: [f32; 3],
+    /// Second derivatives; `None` at vertices where there are none.
+    pub second: Option<SecondDerivatives>,
+}
+
+/// Second derivatives of the limit surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SecondDerivatives {
+    /// Twice by u.
+    pub duu: [f32; 3],
+    /// By u and v.
+    pub duv: [f32; 3],
+    /// Twice by v.
+    pub dvv: [f32; 3],
+}
+
+/// Position and first derivatives: less to compute than a [`Sample`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tangents {
+    /// Limit point.
+    pub position: [f32; 3],
+    /// First derivative by u.
+    pub du: [f32; 3],
+    /// First derivative by v.
+    pub dv: [f32; 3],
+}
+
+/// What [`Surface::evaluate_as`](crate::Surface::evaluate_as) and its like give: a [`Sample`], [`Tangents`], or a position alone
+/// (`[f32; 3]`). Not for other types.
+pub trait Evaluated: sealed::Kind + Copy + Default + Send {}
+impl Evaluated for Sample {}
+impl Evaluated for Tangents {}
+impl Evaluated for [f32; 3] {}
+
+pub(super) mod sealed {
+    use super::super::{Local, Tip};
+    use crate::dice::evaluate::QuadEvaluator;
+    use crate::dice::face::Channel;
+
+    /// A place in a quad that is ready.
+    pub struct Asked<'a> {
+        pub(in super::super) quad: &'a mut QuadEvaluator,
+        pub(in super::super) channel: Channel<'a>,
+        pub(in super::super) at: Local,
+        pub(in super::super) tip: Option<Tip>,
+    }
+
+    /// How a kind of sample is made.
+    pub trait Kind: Sized {
+        fn evaluate(asked: Asked<'_>) -> Self;
+        /// The grid of `n` segments of the quad; the place of `asked` says which quad alone.
+        fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]);
+    }
+}
+
+use sealed::Asked;
+
+impl Asked<'_> {
+    #[inline(always)]
+    fn jet<const ORDER: u32>(self) -> Jet {
+        let found = self.quad.at::<ORDER>(self.channel, self.at.u, self.at.v);
+        self.at.outer::<ORDER>(jet(found))
+    }
+}
+
+/// Writes what a grid gives one after the other.
+#[inline(always)]
+fn fill<S>(out: &mut [S], convert: impl Fn(Found) -> S) -> impl FnMut(Found) {
+    let mut out = out.iter_mut();
+    move |found| {
+        if let Some(out) = out.next() {
+            *out = convert(found);
+        }
+    }
+}
+
+impl sealed::Kind for [f32; 3] {
+    #[inline(always)]
+    fn evaluate(asked: Asked<'_>) -> Self {
+        match asked.tip {
+            Some(tip) => tip.position,
+            None => asked.jet::<0>().position.xyz(),
+        }
+    }
+    fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
+        let out = fill(out, |found| jet(found).position.xyz());
+        asked.quad.grid::<0>(asked.channel, n, out);
+    }
+}
+
+impl sealed::Kind for Tangents {
+    #[inline(always)]
+    fn evaluate(asked: Asked<'_>) -> Self {
+        let tip = asked.tip;
+        let mut out = Self::of(asked.jet::<1>());
+        if let Some(tip) = tip {
+            out.position = tip.position;
+        }
+        out
+    }
+    fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
+        let out = fill(out, |found| Self::of(jet(found)));
+        asked.quad.grid::<1>(asked.channel, n, out);
+    }
+}
+
+impl sealed::Kind for Sample {
+    #[inline(always)]
+    fn evaluate(asked: Asked<'_>) -> Self {
+        let Asked {
+            quad,
+            channel,
+            at,
+            tip,
+        } = asked;
+        let found = quad.at::<2>(channel, at.u, at.v);
+        let mut out = Self::of(quad, channel, &at, found);
+        if let Some(tip) = tip {
+            out.position = tip.position;
+            out.normal = math::normalize(tip.normal).unwrap_or(out.normal);
+            out.second = None;
+        }
+        out
+    }
+    fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
+        let Asked {
+            quad, channel, at, ..
+        } = asked;
+        quad.grid::<2>(channel, n, fill(out, Self::quick));
+        // Places without a clear normal are evaluated once more, with all that can be done.
+        let side = n as usize + 1;
+        for (k, out) in out.iter_mut().enumerate() {
+            if out.normal == [0.0; 3] {
+                let [u, v] = [k % side, k / side].map(|i| i as f32 / n as f32);
+                let at = Local::quad(at.quad, u, v);
+                let found = quad.at::<2>(channel, u, v);
+                *out = Self::of(quad, channel, &at, found);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn jet(found: Found) -> Jet {
+    let (Found::Smooth(jet) | Found::Corner(jet, _)) = found;
+    jet
+}
+
+impl Tangents {
+    #[inline(always)]
+    fn of(jet: Jet) -> Self {
+        Self {
+            position: jet.position.xyz(),
+            du: jet.du.xyz(),
+            dv: jet.dv.xyz(),
+        }
+    }
+}
+
+impl Sample {
+    #[inline(always)]
+    fn new(jet: Jet, normal: [f32; 3], smooth: bool) -> Self {
+        Self {
+            position: jet.position.xyz(),
+            du: jet.du.xyz(),
+            dv: jet.dv.xyz(),
+            normal,
+            second: smooth.then(|| SecondDerivatives {
+                duu: jet.duu.xyz(),
+                duv: jet.duv.xyz(),
+                dvv: jet.dvv.xyz(),
+            }),
+        }
+    }
+
+    /// With a normal of zeros where it takes more to find one.
+    #[inline(always)]
+    fn quick(found: Found) -> Self {
+        match found {
+            Found::Smooth(jet) => Self::new(jet, normal(&jet).unwrap_or([0.0; 3]), true),
+            Found::Corner(jet, _) => Self::new(jet, [0.0; 3], false),
+        }
+    }
+
+    #[inline(always)]
+    fn of(quad: &mut QuadEvaluator, channel: Channel<'_>, at: &Local, found: Found) -> Self {
+        let mut sample = Self::quick(match found {
+            Found::Smooth(jet) => Found::Smooth(at.outer::<2>(jet)),
+            Found::Corner(jet, c) => Found::Corner(at.outer::<2>(jet), c),
+        });
+        if sample.normal == [0.0; 3] {
+            let corner = match found {
+                Found::Corner(_, c) => Some(c),
+                Found::Smooth(_) => None,
+            };
+            sample.normal = spare_normal(quad, channel, at, corner);
+        }
+        sample
+    }
+}
+
+/// Unit vector along du × dv, unless the two are parallel as far as can be told.
+#[inline(always)]
+fn normal(jet: &Jet) -> Option<[f32; 3]> {
+    /// Squared sine below which directions are rounding.
+    const PARALLEL: f32 = 1e-10;
+    let (du, dv) = (jet.du.xyz(), jet.dv.xyz());
+    let cross = math::cross(du, dv);
+    let (square, size) = (
+        math::dot(cross, cross),
+        math::dot(du, du) * math::dot(dv, dv),
+    );
+    if size > 1e-20 && size < 1e30 {
+        if square <= PARALLEL * size {
+            return None;
+        }
+        return Some(math::scale(cross, 1.0 / square.sqrt()));
+    }
+    // Squares of tiny or huge vectors leave the range of numbers: make them unit vectors first.
+    let cross = math::cross(math::normalize(du)?, math::normalize(dv)?);
+    if math::dot(cross, cross) > PARALLEL {
+        math::normalize(cross)
+    } else {
+        None
+    }
+}
+
+/// The normal where the derivatives have none: of the corner if it is one, else of a place closer to the middle of the quad, else of the
+/// nearest corner.
+#[cold]
+fn spare_normal(
+    quad: &mut QuadEvaluator,
+    channel: Channel<'_>,
+    at: &Local,
+    corner: Option<usize>,
+) -> [f32; 3] {
+    let nearest =
+        corner.unwrap_or([[0, 1], [3, 2]][usize::from(at.v >= 0.5)][usize::from(at.u >= 0.5)]);
+    if corner.is_none() {
+        for step in [1e-3, 1e-2, 0.1, 0.5] {
+            let [u, v] = [at.u, at.v].map(|x| x + (0.5 - x) * step);
+            if let Found::Smooth(jet) = quad.at::<1>(channel, u, v)
+                && let Some(normal) = normal(&jet)
+            {
+                return normal;
+            }
+        }
+    }
+    let fan = channel.topology.fan(4 * at.quad + nearest as u32);
+    let normal = channel.fans.normals.get(fan as usize).copied();
+    normal.and_then(math::normalize).unwrap_or([0.0, 0.0, 1.0])
+}
