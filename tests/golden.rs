@@ -9,9 +9,11 @@ mod common;
 use earmark::compare::{compare, difference};
 use earmark::film::Image;
 use earmark::frame::{Drawing, Refinement};
+use earmark::load::{LoadOptions, Loader};
+use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::simd::Level;
-use earmark::{Camera, Renderer, film};
+use earmark::{Camera, Renderer, SurfaceOptions, film};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -19,6 +21,7 @@ use std::path::{Path, PathBuf};
 struct Golden {
     name: String,
     asset: &'static str,
+    scheme: Scheme,
     level: u32,
     drawing: Drawing,
     mode: ShadeMode,
@@ -26,7 +29,7 @@ struct Golden {
     camera: Camera,
 }
 
-/// Catmull-Clark throughout; the level is part of the name.
+/// Scheme and level are part of the name.
 fn goldens() -> Vec<Golden> {
     let mut out = Vec::new();
     let mut add = |asset, level, what: &str, drawing, mode, samples, camera| {
@@ -34,6 +37,7 @@ fn goldens() -> Vec<Golden> {
         out.push(Golden {
             name,
             asset,
+            scheme: Scheme::CatmullClark,
             level,
             drawing,
             mode,
@@ -141,6 +145,28 @@ fn goldens() -> Vec<Golden> {
         1,
         camera,
     );
+    for (asset, scheme, level) in [
+        ("part_creased", Scheme::CatmullClark, 3),
+        ("part_creased", Scheme::Bilinear, 2),
+        ("octahedron", Scheme::Loop, 4),
+        ("tetrahedron", Scheme::Loop, 6),
+    ] {
+        let kind = match scheme {
+            Scheme::Loop => "loop",
+            Scheme::Bilinear => "bilinear",
+            _ => "catmull-clark",
+        };
+        out.push(Golden {
+            name: format!("{asset}_{kind}_l{level}"),
+            asset,
+            scheme,
+            level,
+            drawing: Drawing::Limit,
+            mode: ShadeMode::Lit,
+            samples: 4,
+            camera,
+        });
+    }
     out
 }
 
@@ -149,7 +175,16 @@ fn folder() -> PathBuf {
 }
 
 fn draw(g: &Golden, simd: Level) -> Image {
-    let scene = common::load(&common::assets().join(format!("{}.obj", g.asset)));
+    let mut loader = Loader::new(LoadOptions {
+        surface: SurfaceOptions {
+            scheme: Some(g.scheme),
+            ..SurfaceOptions::default()
+        },
+        ..LoadOptions::default()
+    });
+    let path = common::assets().join(format!("{}.obj", g.asset));
+    loader.add_file(&path).unwrap();
+    let scene = loader.finish().0;
     let mut renderer = Renderer::new(256, 256);
     renderer.size.samples = g.samples;
     renderer.refinement = Refinement::Uniform(g.level);
