@@ -94,7 +94,11 @@ const REFUSED: &[(&[&str], i32, &str)] = &[
     (&["--max-memory", "lots"], 2, "--max-memory"),
     (&["--simd", "avx1024"], 2, "--simd"),
     (&["--shade", "toon"], 2, "--shade"),
-    (&["--scheme", "loop"], 3, "cube.obj:10: this face has 4 corners"),
+    (
+        &["--scheme", "loop"],
+        3,
+        "cube.obj:10: this face has 4 corners",
+    ),
     (&["--scheme", "sqrt3"], 2, "--scheme"),
     (&["--no-such-flag"], 2, "--no-such-flag"),
     (&["-q", "-v"], 2, "--verbose"),
@@ -580,6 +584,10 @@ fn bench_reports_rows_with_the_total_first() {
         (
             "raster",
             &["total", "setup", "bin", "dice", "tile", "shade", "film"],
+        ),
+        (
+            "evaluate",
+            &["total", "single", "prepared", "batch", "grid"],
         ),
     ];
     for (suite, stages) in stages {
