@@ -585,6 +585,10 @@ fn bench_reports_rows_with_the_total_first() {
             "raster",
             &["total", "setup", "bin", "dice", "tile", "shade", "film"],
         ),
+        (
+            "evaluate",
+            &["total", "single", "prepared", "batch", "grid"],
+        ),
     ];
     for (suite, stages) in stages {
         let out = earmark()

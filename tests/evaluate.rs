@@ -6,7 +6,7 @@ mod oracle;
 mod support;
 
 use earmark::evaluate::{EvaluateError, Place, Sample, Tangents};
-use earmark::scheme::Boundary;
+use earmark::scheme::{Boundary, Scheme};
 use earmark::{Cage, Surface, SurfaceOptions};
 use oracle::{cage_of, compare, surface_of};
 use support::*;
@@ -21,6 +21,12 @@ fn length(a: [f32; 3]) -> f64 {
 }
 fn dot(a: [f32; 3], b: [f32; 3]) -> f64 {
     (0..3).map(|k| f64::from(a[k]) * f64::from(b[k])).sum()
+}
+fn options() -> SurfaceOptions {
+    SurfaceOptions {
+        scheme: Some(Scheme::CatmullClark),
+        ..SurfaceOptions::default()
+    }
 }
 fn is_finite(s: &Sample) -> bool {
     let second = s.second.unwrap_or_default();
@@ -74,6 +80,22 @@ fn agrees_with_deep_refinement_on_mixed_polygons() {
     compare(&smooth(gem()), EDGES, 5);
     compare(&smooth(patch()), EDGES, 4);
     compare(&smooth(patch()), Boundary::EdgeOnly, 4);
+}
+
+#[test]
+fn agrees_with_deep_refinement_at_creases() {
+    compare(&gem(), EDGES, 5);
+    compare(&patch(), EDGES, 5);
+    compare(&patch(), Boundary::EdgeOnly, 4);
+    // An infinite crease across, a fading one that meets it, a dart, and a corner.
+    let crossed = noisy_grid(6, 7)
+        .crease(21, 22, 10.0)
+        .crease(22, 23, 10.0)
+        .crease(23, 24, 10.0)
+        .crease(22, 29, 2.5)
+        .crease(29, 36, 1.2)
+        .corner(38, 3.0);
+    compare(&crossed, EDGES, 5);
 }
 
 #[test]
@@ -189,7 +211,7 @@ fn agrees_with_dicing() {
         )
         .unwrap()
         .cage;
-        like_dice(&Surface::new(cage, &SurfaceOptions::default()), 2, 1e-6);
+        like_dice(&Surface::new(cage, &options()), 2, 1e-6);
     }
 }
 
@@ -329,7 +351,7 @@ fn nothing_is_ever_nan() {
             .map(|_| ((noise.number() + 0.5) * f64::from(count)) as u32)
             .collect();
         let cage = Cage::new(points, &sizes, corners).unwrap();
-        let surface = Surface::new(cage, &SurfaceOptions::default());
+        let surface = Surface::new(cage, &options());
         for face in 0..sizes.len() as u32 {
             let mut evaluator = surface.face_evaluator(face).unwrap();
             for u in parameters {
@@ -369,6 +391,15 @@ fn bad_arguments_have_no_sample() {
     assert!(face.grid::<[f32; 3]>(0, &mut []).is_err());
     let error = surface.evaluate_many(&[Place::default()], &mut [[0.0; 3]; 2]);
     assert_eq!(error, Err(EvaluateError::WrongCount { got: 2, wanted: 1 }));
+    // Triangles by Loop's scheme have no quads.
+    let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let loops = Surface::new(
+        Cage::new(points, &[3], vec![0, 1, 2]).unwrap(),
+        &SurfaceOptions::default(),
+    );
+    assert!(loops.evaluate(0, 0.2, 0.2).is_none() && loops.face_evaluator(0).is_none());
+    let error = loops.evaluate_many(&[Place::default()], &mut [[0.0; 3]]);
+    assert_eq!(error, Err(EvaluateError::Scheme));
     // Polygons: u from 0 to the number of corners.
     let triangles = surface_of(&smooth(gem()), EDGES);
     assert!(
@@ -440,6 +471,24 @@ fn all_ways_in_give_the_same_bits() {
             }
         }
     }
+}
+
+#[test]
+fn bilinear_surfaces_are_bilinear() {
+    let options = SurfaceOptions {
+        scheme: Some(Scheme::Bilinear),
+        ..SurfaceOptions::default()
+    };
+    let shape = grid(2, |u, v| u * v * v);
+    let surface = Surface::new(cage_of(&shape), &options);
+    // Corners at heights 0, 1, 8 and 4 over the last quad.
+    let s = surface.evaluate(3, 0.25, 0.5).unwrap();
+    let [a, b, c, d] = [1.0, 2.0, 8.0, 4.0];
+    let want = (a * 0.75 + b * 0.25) * 0.5 + (d * 0.75 + c * 0.25) * 0.5;
+    assert!((s.position[2] - want).abs() < 1e-6, "{s:?} {want}");
+    let slope = (b - a) * 0.5 + (c - d) * 0.5;
+    assert!((s.du[2] - slope).abs() < 2e-6 && (s.du[0] - 1.0).abs() < 1e-6);
+    assert!((s.second.unwrap().duv[2] - (a - b + c - d)).abs() < 1e-5);
 }
 
 #[test]

@@ -31,6 +31,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "evaluate",
+        &["math", "control", "dice", "surface", "Surface"],
+    ),
+    (
         "stream",
         &["records", "dice", "surface", "simd", "Surface", "Cage"],
     ),
