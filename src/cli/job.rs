@@ -116,12 +116,6 @@ impl Job {
         flags: &ModelFlags,
     ) -> Result<Scene, Failure> {
         let scheme = flags.named_scheme().unwrap_or_default();
-        if scheme.is_triangular() || scheme.is_interpolating() {
-            return Err(Failure::usage(format!(
-                "--scheme {0}: not drawn yet; `earmark refine --scheme {0}` writes the mesh",
-                scheme_name(scheme)
-            )));
-        }
         watch::phase(Phase::Reading);
         let mut loader = Loader::new(LoadOptions {
             surface: flags.surface(),

@@ -11,6 +11,7 @@ mod net;
 mod point;
 pub(crate) mod presplit;
 mod regular;
+pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 #[cfg_attr(
