@@ -93,7 +93,7 @@ const REFUSED: &[(&[&str], i32, &str)] = &[
     (&["--max-memory", "lots"], 2, "--max-memory"),
     (&["--simd", "avx1024"], 2, "--simd"),
     (&["--shade", "toon"], 2, "--shade"),
-    (&["--scheme", "loop"], 2, "not drawn yet"),
+    (&["--scheme", "loop"], 3, "takes triangles only"),
     (&["--scheme", "sqrt3"], 2, "--scheme"),
     (&["--no-such-flag"], 2, "--no-such-flag"),
     (&["-q", "-v"], 2, "--verbose"),

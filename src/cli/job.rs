@@ -7,10 +7,12 @@ use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, 
 use super::watch::{self, Phase};
 use earmark::Scene;
 use earmark::files::{self, AtomicFile, FolderResolver};
+use earmark::frame::Object;
 use earmark::limits::{Limits, Progress};
 use earmark::load::{LoadOptions, Loader};
 use earmark::mesh::resolver::{NoFiles, Resolver};
 use earmark::mesh::{Cage, obj};
+use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -133,6 +135,17 @@ impl Job {
                 Ok::<_, Failure>((cage, name, resolver))
             })?;
             self.limits().check()?;
+            if let (true, Some(f)) = (scheme.is_triangular(), cage.first_polygon()) {
+                return Err(Failure::new(
+                    Code::Data,
+                    format!(
+                        "{name}: face {f} (0-based) has {} corners, and --scheme {} takes triangles only; refine --triangulate makes \
+                         triangles of all faces",
+                        cage.face(f as usize).len(),
+                        scheme_name(scheme)
+                    ),
+                ));
+            }
             note(&format!(
                 "{name}: {} faces, {} vertices; scheme {}",
                 cage.face_count(),
@@ -149,6 +162,13 @@ impl Job {
         let (scene, warnings) = loader.finish();
         for w in &warnings {
             warning(w);
+        }
+        let fades = |o: &Object| has_semi_sharp(o.surface.topology());
+        if scheme.is_interpolating() && scene.objects.iter().any(fades) {
+            warning(&format!(
+                "semi-sharp creases and corners mean nothing to --scheme {}, and are ignored",
+                scheme_name(scheme)
+            ));
         }
         Ok(scene)
     }
