@@ -9,7 +9,7 @@ use super::sectors::{across, cross, dot, minus, unit};
 use super::{Point, VertexLimit};
 use crate::mesh::{Corner, Crease};
 use crate::refine::connectivity::{Split, child_corner};
-use crate::refine::interpolating::Sheets;
+use crate::refine::interpolating::{Masks, Sheets};
 use crate::refine::real::{Real, add, add_scaled};
 use crate::refine::sharpness::Step;
 use crate::refine::{Level, Options, Timings};
@@ -59,6 +59,58 @@ pub(super) fn vertex_limit<T: Real>(
         out.corners.clear();
     }
     out
+}
+
+/// Tangents as linear maps, of vertices that refinement put into edges and faces: their rings are regular.
+#[derive(Debug)]
+pub(crate) struct Tangents(RingMasks);
+
+impl Tangents {
+    pub(crate) fn new(scheme: Scheme) -> Self {
+        Self(RingMasks::new(scheme))
+    }
+
+    /// Masks of the scheme itself.
+    pub(crate) fn masks(&self) -> &Masks {
+        &self.0.stencils
+    }
+
+    /// Two tangents, whose cross product points outward, in the sector of corner `h` of a mesh that is cut along its creases. Neighbours
+    /// must be regular in Kobbelt's scheme.
+    pub(crate) fn at<const N: usize>(
+        &self,
+        t: &Topology,
+        sheets: &Sheets<'_, f64, f64, N>,
+        h: u32,
+    ) -> Option<[[f64; N]; 2]> {
+        let mut start = h;
+        loop {
+            let twin = sheets.twin(start);
+            if twin == NONE {
+                break;
+            }
+            start = t.next(twin);
+            if start == h {
+                break;
+            }
+        }
+        let halves: Vec<u32> = sheets.around(start).collect();
+        let closed = sheets.twin(start) != NONE;
+        let count = halves.len();
+        let quads = self.0.scheme == Scheme::Kobbelt;
+        let ring = gather(t, sheets, self.0.scheme, &halves, closed);
+        let x = sheets.at(start);
+        if closed {
+            return self.0.closed(count as u32, &ring, &x);
+        }
+        let straight = count + 1 + if quads { 0 } else { count };
+        let along = std::array::from_fn(|k| {
+            let far = ring[straight + count][k] - ring[straight][k];
+            far + 8.0 * (ring[0][k] - ring[count][k])
+        });
+        let inward = self.0.across(count as u32, &ring, &x)?;
+        Some([along, inward])
+    }
 }
 
 /// The normal of the sector that begins with half-edge `start`; `spare` is how often the surroundings may be refined first.
