@@ -4,6 +4,7 @@ mod diced;
 mod mesh;
 mod patch;
 
+use crate::control::tables::{Plans, TableTree};
 use crate::control::{ControlTree, Fans, Kind, TreeChannel};
 use crate::dice::control::Descend;
 use crate::dice::face::{Channel, FacePatch};
@@ -19,6 +20,7 @@ use crate::topology::channel::connect_channel;
 use crate::topology::ears::Ears;
 use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
 use mesh::QuadMesh;
+use std::sync::Arc;
 
 pub use diced::DicedQuad;
 pub(crate) use patch::QuadPatch;
@@ -51,9 +53,9 @@ struct VertexChannel {
 pub(crate) struct RefinedFans(Vec<Fans>);
 
 impl RefinedFans {
-    /// The point of a fan of the quads.
-    pub(crate) fn point(&self, fan: u32) -> [f32; 3] {
-        self.0[0].limits()[fan as usize]
+    /// The point of a fan of the quads; none where it is that of the limit.
+    pub(crate) fn point(&self, fan: u32) -> Option<[f32; 3]> {
+        self.0.first().map(|fans| fans.limits()[fan as usize])
     }
 }
 
@@ -84,9 +86,11 @@ pub struct Surface {
     control: Option<Box<ControlTree>>,
     /// Of the tree of a cage that is split first: the vertex of the split mesh that each vertex is.
     split_vertices: Vec<u32>,
+    /// All channels under interpolating schemes.
+    tables: Option<Box<TableTree>>,
     linear: bool,
     linear_uv: bool,
-    /// Whether faces are triangles, under Loop's scheme.
+    /// Whether faces are triangles, under Loop's scheme and Modified Butterfly.
     triangles: bool,
     warnings: Vec<TopologyWarning>,
 }
@@ -115,7 +119,7 @@ impl Surface {
             .unwrap_or_default();
         let scheme = scheme_of(&cage, options, &mut warnings);
         let linear = scheme == Scheme::Bilinear;
-        let triangles = scheme == Scheme::Loop;
+        let triangles = scheme.is_triangular();
         let mut surface = Self {
             options: *options,
             scheme,
@@ -124,14 +128,18 @@ impl Surface {
             colors: None,
             control: None,
             split_vertices: Vec::new(),
+            tables: None,
             linear,
             linear_uv: linear || rule == FaceVaryingRule::All,
             triangles,
             warnings,
             cage,
         };
-        surface.control = surface.control_tree(rule).map(Box::new);
-        if surface.control.is_none() {
+        surface.tables = surface.table_tree(rule, None).map(Box::new);
+        if surface.tables.is_none() {
+            surface.control = surface.control_tree(rule).map(Box::new);
+        }
+        if surface.tables.is_none() && surface.control.is_none() {
             surface.make_channels(rule, boundary);
         }
         surface
@@ -164,6 +172,19 @@ impl Surface {
         self.mesh = mesh;
     }
 
+    /// The tables of a cage under an interpolating scheme; `plans` are those of the same cage with other points.
+    fn table_tree(
+        &mut self,
+        rule: FaceVaryingRule,
+        plans: Option<Arc<Plans>>,
+    ) -> Option<TableTree> {
+        if !self.scheme.is_interpolating() {
+            return None;
+        }
+        let (level, colors) = self.first_level(rule)?;
+        Some(TableTree::new(level, colors, self.refine_options(), plans))
+    }
+
     /// The control tree of a cage whose sharpness or triangle rule asks for one.
     fn control_tree(&mut self, rule: FaceVaryingRule) -> Option<ControlTree> {
         let (cage, base) = (&self.cage, &self.mesh.base);
@@ -174,11 +195,22 @@ impl Surface {
         if self.linear || !(tagged || self.triangles) {
             return None;
         }
+        let (level, colors) = self.first_level(rule)?;
+        Some(ControlTree::new(level, colors, options))
+    }
+
+    /// The mesh of the faces that are diced, with all channels but colours, which come with it.
+    fn first_level(
+        &mut self,
+        rule: FaceVaryingRule,
+    ) -> Option<(refine::Level<f64>, Vec<[f64; 3]>)> {
+        let (cage, base) = (&self.cage, &self.mesh.base);
+        let options = self.refine_options();
         let level = refine::Level::<f64>::of_cage(cage, base.clone(), self.scheme, rule).ok()?;
         let wide = |c: &[f32; 3]| c.map(f64::from);
         let colors: Vec<[f64; 3]> = cage.colors.iter().map(wide).collect();
         if base.all_quads() || self.triangles {
-            return Some(ControlTree::new(level, colors, options));
+            return Some((level, colors));
         }
         let mut timings = refine::Timings::default();
         let quads = level.next(&options, &mut timings).ok()?;
@@ -201,7 +233,7 @@ impl Surface {
             false => part.vertices.iter().map(|&v| colors[v as usize]).collect(),
         };
         self.split_vertices = part.vertices;
-        Some(ControlTree::new(part.level, colors, options))
+        Some((part.level, colors))
     }
 
     /// The rules by which the cage is refined: options, else its tags, else defaults.
@@ -227,6 +259,9 @@ impl Surface {
         if let Some(control) = &self.control {
             control.ensure(level);
         }
+        if let Some(tables) = &self.tables {
+            tables.ensure(level);
+        }
     }
 
     /// Whether the surface has a channel.
@@ -240,15 +275,15 @@ impl Surface {
 
     /// Texture coordinates at the corners of face `q`, for linear interpolation; a triangle repeats its last.
     fn linear_corners(&self, q: u32) -> Option<[[f32; 3]; 4]> {
-        let (t, points) = match &self.control {
-            Some(control) => {
-                let mesh = control.root(Kind::Uvs)?;
-                (&mesh.topology, &mesh.points)
-            }
-            None => {
-                let uv = self.uv.as_ref()?;
-                (uv.quads(), &uv.points)
-            }
+        let (t, points) = if let Some(tables) = &self.tables {
+            let mesh = tables.root(Kind::Uvs)?;
+            (&mesh.topology, &mesh.points)
+        } else if let Some(control) = &self.control {
+            let mesh = control.root(Kind::Uvs)?;
+            (&mesh.topology, &mesh.points)
+        } else {
+            let uv = self.uv.as_ref()?;
+            (uv.quads(), &uv.points)
         };
         let halves = t.face_halves(q);
         let corner = |c: u32| points[t.vertex((halves.start + c).min(halves.end - 1)) as usize];
@@ -323,7 +358,11 @@ impl Surface {
             return Err(CageError::NotFinite { vertex });
         }
         self.cage.points.copy_from_slice(points);
-        if self.control.is_some() {
+        if self.tables.is_some() {
+            let rule = self.face_varying_rule();
+            let plans = self.tables.as_ref().map(|t| t.plans());
+            self.tables = self.table_tree(rule, plans).map(Box::new);
+        } else if self.control.is_some() {
             let options = self.refine_options();
             let mut wide: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
             if self.is_split() {
@@ -341,7 +380,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Whether the faces that are diced are triangles (under Loop's scheme); else they are quads. A triangle fills the half of its grid
+    /// Whether the faces that are diced are triangles (under Loop's scheme and Modified Butterfly); else they are quads. A triangle fills the half of its grid
     /// where the row is at most the column: corner 0 at (0, 0), corner 1 at (n, 0), corner 2 at (n, n).
     #[must_use]
     pub fn is_triangular(&self) -> bool {
@@ -370,6 +409,9 @@ impl Surface {
     /// The quads that are diced: the cage's own, or those of its first step where it has other polygons.
     #[must_use]
     pub fn quads(&self) -> &Topology {
+        if let Some(mesh) = self.table_root() {
+            return &mesh.topology;
+        }
         match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
             Some(root) => &root.topology,
             None => self.mesh.quads(),
@@ -402,10 +444,23 @@ impl Surface {
     /// Points of the quad mesh, by vertex.
     #[must_use]
     pub fn control_points(&self) -> &[[f32; 3]] {
+        if let Some(mesh) = self.table_root() {
+            return &mesh.points;
+        }
         match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
             Some(root) => &root.points,
             None => &self.mesh.points,
         }
+    }
+    fn table_root(&self) -> Option<&crate::dice::table::TableMesh> {
+        self.tables.as_ref()?.root(Kind::Points)
+    }
+    /// Bytes and number of the tables by which an interpolating surface is diced at `level` of its faces, and by how many steps the whole
+    /// mesh is refined first. `None` for other surfaces.
+    #[must_use]
+    pub fn table_bytes(&self, level: u32) -> Option<(usize, usize, u32)> {
+        self.ensure(level);
+        self.tables.as_ref()?.table_bytes(level)
     }
     /// The ears of the quads, in the layout of the published buffers.
     #[must_use]
@@ -415,6 +470,14 @@ impl Surface {
     /// Limit points and unit normals at the vertices of fan `fan` of the quad mesh.
     #[must_use]
     pub fn fan_limit(&self, fan: u32) -> ([f32; 3], [f32; 3]) {
+        if let Some(mesh) = self.table_root() {
+            let t = &mesh.topology;
+            let normal = match t.fans()[fan as usize].first {
+                NONE => [0.0, 0.0, 1.0],
+                first => mesh.normal(first),
+            };
+            return (mesh.points[t.fan_vertex(fan) as usize], normal);
+        }
         let (limits, normals) = match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
             Some(root) => (root.fans.limits(), root.fans.normals()),
             None => (&*self.mesh.fans.limits, &*self.mesh.fans.normals),
@@ -518,6 +581,10 @@ impl Surface {
     }
 
     fn corner_limit(&self, kind: Kind, h: u32) -> Option<[f32; 3]> {
+        if let Some(tables) = &self.tables {
+            let mesh = tables.root(kind)?;
+            return Some(mesh.points[mesh.topology.vertex(h) as usize]);
+        }
         if let Some(control) = &self.control {
             let mesh = control.root(kind)?;
             return Some(mesh.fans.limits()[mesh.topology.fan(h) as usize]);
@@ -528,6 +595,10 @@ impl Surface {
 
     /// Fans for another target than the limit: control points after `level` steps of the quad mesh.
     pub(crate) fn refined_fans(&self, level: u32) -> RefinedFans {
+        if self.tables.is_some() {
+            // Refined points are limit points.
+            return RefinedFans(Vec::new());
+        }
         RefinedFans(match &self.control {
             Some(control) => control.refined(level),
             None => {

@@ -7,10 +7,12 @@ use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, 
 use super::watch::{self, Phase};
 use earmark::Scene;
 use earmark::files::{self, AtomicFile, FolderResolver};
+use earmark::frame::Object;
 use earmark::limits::{Limits, Progress};
 use earmark::load::{LoadOptions, Loader};
 use earmark::mesh::resolver::{NoFiles, Resolver};
 use earmark::mesh::{Cage, obj};
+use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -149,6 +151,15 @@ impl Job {
         let (scene, warnings) = loader.finish();
         for w in &warnings {
             warning(w);
+        }
+        let ignores = |o: &&Object| {
+            o.surface.scheme().is_interpolating() && has_semi_sharp(o.surface.topology())
+        };
+        if let Some(object) = scene.objects.iter().find(ignores) {
+            warning(&format!(
+                "semi-sharp creases and corners mean nothing to --scheme {}, and are ignored",
+                scheme_name(object.surface.scheme())
+            ));
         }
         Ok(scene)
     }

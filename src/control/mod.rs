@@ -7,6 +7,7 @@
 //! by the quads at features alone. Everything else about creases is gone once a level is cut open along its infinite edges ([`cut`]).
 
 mod cut;
+pub(crate) mod tables;
 mod tips;
 
 use crate::dice::MAX_LEVEL;

@@ -12,6 +12,7 @@ mod net;
 mod point;
 pub(crate) mod presplit;
 mod regular;
+pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod triangle;

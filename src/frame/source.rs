@@ -311,10 +311,8 @@ impl<'a> Source<'a> {
 
     fn corner_point(&self, h: u32) -> [f32; 3] {
         let fan = self.object.surface.quads().fan(h);
-        match &self.refined {
-            Some(fans) => fans.point(fan),
-            None => self.object.surface.fan_limit(fan).0,
-        }
+        let refined = self.refined.as_ref().and_then(|fans| fans.point(fan));
+        refined.unwrap_or_else(|| self.object.surface.fan_limit(fan).0)
     }
 
     fn dice_polygon(&self, item: u32, points: &mut Grid3, attributes: Option<&mut Attributes>) {

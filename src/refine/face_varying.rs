@@ -120,6 +120,15 @@ impl<T: Real> FaceVarying<T> {
         self.linear
     }
 
+    /// Where interpolating schemes are linear.
+    pub(crate) fn linear_parts(&self) -> Linear {
+        match self.rule {
+            _ if self.linear => Linear::Always,
+            rule if classify::linear_borders(rule) => Linear::Cuts,
+            _ => Linear::Never,
+        }
+    }
+
     /// Values where corners disagree.
     #[must_use]
     pub fn siblings(&self) -> &[Sibling] {
@@ -252,11 +261,7 @@ impl<T: Real> FaceVarying<T> {
         of_edges: &mut [[T; 2]],
     ) -> Vec<Sibling> {
         let t = step.topology;
-        let linear = match self.rule {
-            _ if self.linear => Linear::Always,
-            rule if classify::linear_borders(rule) => Linear::Cuts,
-            _ => Linear::Never,
-        };
+        let linear = self.linear_parts();
         let masks = Masks::default();
         let sheets = Sheets::<T, T, 2>::of_corners(
             step,

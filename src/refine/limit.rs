@@ -21,6 +21,7 @@ mod local;
 mod rings;
 mod sectors;
 
+pub(crate) use interpolating::Tangents;
 use local::LocalRing;
 use rings::RingMasks;
 pub(super) use sectors::Tables;

@@ -3,17 +3,29 @@
 use super::{RefinedFans, Surface};
 use crate::control::{Fans, Kind};
 use crate::dice::face::{FacePatch, Sides};
+use crate::dice::table::TablePatch;
 use crate::dice::triangle::TrianglePatch;
 use crate::dice::{DiceFault, Target};
 use crate::records::Grid3;
 use crate::simd::Level;
+use std::sync::Arc;
 
-/// A face of one channel, quad or triangle.
+/// What dices a face.
+#[derive(Clone, Copy, Debug, Default)]
+enum By {
+    #[default]
+    Quad,
+    Triangle,
+    Table,
+}
+
+/// A face of one channel: quad or triangle, or of an interpolating scheme.
 #[derive(Clone, Debug, Default)]
 struct ChannelPatch {
     quad: FacePatch,
     triangle: TrianglePatch,
-    is_triangle: bool,
+    table: TablePatch,
+    by: By,
 }
 
 /// What is asked of a face.
@@ -28,6 +40,7 @@ impl ChannelPatch {
     fn set_simd(&mut self, simd: Level) {
         self.quad.simd = simd;
         self.triangle.simd = simd;
+        self.table.simd = simd;
     }
 
     /// Prepares face `q` of a channel; false when the surface has no such channel.
@@ -44,9 +57,20 @@ impl ChannelPatch {
             level,
             sides,
         } = wanted;
-        self.is_triangle = surface.triangles;
+        if let Some(tables) = &surface.tables {
+            self.by = By::Table;
+            let Some(channel) = tables.channel(kind, level) else {
+                return false;
+            };
+            self.table.prepare(Arc::clone(channel), q, level, sides);
+            return true;
+        }
+        self.by = match surface.triangles {
+            true => By::Triangle,
+            false => By::Quad,
+        };
         let below = surface.below(kind, level, refined);
-        if self.is_triangle {
+        if surface.triangles {
             if let Some(below) = below.as_ref().filter(|_| surface.has(kind)) {
                 self.triangle.prepare_below(below, q, target, level, sides);
                 return true;
@@ -64,23 +88,26 @@ impl ChannelPatch {
     }
 
     fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
-        match self.is_triangle {
-            true => self.triangle.dice(bu, bv, points, normals),
-            false => self.quad.dice(bu, bv, points, normals),
+        match self.by {
+            By::Quad => self.quad.dice(bu, bv, points, normals),
+            By::Triangle => self.triangle.dice(bu, bv, points, normals),
+            By::Table => self.table.dice(bu, bv, points, normals),
         }
     }
 
     fn hull(&self, out: impl FnMut([f32; 3])) {
-        match self.is_triangle {
-            true => self.triangle.hull(out),
-            false => self.quad.hull(out),
+        match self.by {
+            By::Quad => self.quad.hull(out),
+            By::Triangle => self.triangle.hull(out),
+            By::Table => self.table.hull(out),
         }
     }
 
     fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
-        match self.is_triangle {
-            true => self.triangle.block_hull(bu, bv, out),
-            false => self.quad.block_hull(bu, bv, out),
+        match self.by {
+            By::Quad => self.quad.block_hull(bu, bv, out),
+            By::Triangle => self.triangle.block_hull(bu, bv, out),
+            By::Table => self.table.block_hull(bu, bv, out),
         }
     }
 }
@@ -110,6 +137,7 @@ impl QuadPatch {
     pub(crate) fn set_fault(&mut self, fault: DiceFault) {
         self.points.quad.fault = fault;
         self.points.triangle.fault = fault;
+        self.points.table.fault = fault;
     }
 
     /// Prepares quad `q`. `refined` holds the fans of [`Surface::refined_fans`] if control points are wanted.

@@ -9,7 +9,7 @@ use super::sectors::{across, cross, dot, minus, unit};
 use super::{Point, VertexLimit};
 use crate::mesh::{Corner, Crease};
 use crate::refine::connectivity::{Split, child_corner};
-use crate::refine::interpolating::Sheets;
+use crate::refine::interpolating::{Masks, Sheets};
 use crate::refine::real::{Real, add, add_scaled};
 use crate::refine::sharpness::Step;
 use crate::refine::{Level, Options, Timings};
@@ -59,6 +59,84 @@ pub(super) fn vertex_limit<T: Real>(
         out.corners.clear();
     }
     out
+}
+
+/// Tangents as linear maps, of vertices that refinement put into edges and faces: their rings are regular.
+#[derive(Debug)]
+pub(crate) struct Tangents(RingMasks);
+
+impl Tangents {
+    pub(crate) fn new(scheme: Scheme) -> Self {
+        Self(RingMasks::new(scheme))
+    }
+
+    /// Masks of the scheme itself.
+    pub(crate) fn masks(&self) -> &Masks {
+        &self.0.stencils
+    }
+
+    /// Two tangents, whose cross product points outward, in the sector of corner `h` of a mesh that is cut along its creases. Neighbours
+    /// must be regular in Kobbelt's scheme.
+    pub(crate) fn at<const N: usize>(
+        &self,
+        t: &Topology,
+        sheets: &Sheets<'_, f64, f64, N>,
+        h: u32,
+    ) -> Option<[[f64; N]; 2]> {
+        let mut start = h;
+        loop {
+            let twin = sheets.twin(start);
+            if twin == NONE {
+                break;
+            }
+            start = t.next(twin);
+            if start == h {
+                break;
+            }
+        }
+        let halves: Vec<u32> = sheets.around(start).collect();
+        let closed = sheets.twin(start) != NONE;
+        let count = halves.len();
+        let quads = self.0.scheme == Scheme::Kobbelt;
+        // Amid a regular grid both tangents are differences along its rows, with no need of the next level.
+        if let (true, true, &[a, b, c, d]) = (quads, closed, &halves[..]) {
+            let row = |a: u32, c: u32| -> Option<[f64; N]> {
+                let (p, q) = (sheets.at(t.next(a)), sheets.at(t.next(c)));
+                let (far_p, far_q) = (straight_on(t, sheets, a)?, straight_on(t, sheets, c)?);
+                let difference = |k: usize| 8.0 * (p[k] - q[k]) - (far_p[k] - far_q[k]);
+                Some(std::array::from_fn(difference))
+            };
+            if let (Some(u), Some(v)) = (row(a, c), row(b, d)) {
+                return Some([u, v]);
+            }
+        }
+        let ring = gather(t, sheets, self.0.scheme, &halves, closed);
+        let x = sheets.at(start);
+        if closed {
+            return self.0.closed(count as u32, &ring, &x);
+        }
+        let straight = count + 1 + if quads { 0 } else { count };
+        let along = std::array::from_fn(|k| {
+            let far = ring[straight + count][k] - ring[straight][k];
+            far + 8.0 * (ring[0][k] - ring[count][k])
+        });
+        let inward = self.0.across(count as u32, &ring, &x)?;
+        Some([along, inward])
+    }
+}
+
+/// The vertex straight beyond the far end of `h`, if four quads meet there.
+fn straight_on<const N: usize>(
+    t: &Topology,
+    sheets: &Sheets<'_, f64, f64, N>,
+    h: u32,
+) -> Option<[f64; N]> {
+    let next = t.next(h);
+    let twin = sheets.twin(next);
+    if twin == NONE || sheets.is_irregular(next) {
+        return None;
+    }
+    Some(sheets.at(t.next(t.next(twin))))
 }
 
 /// The normal of the sector that begins with half-edge `start`; `spare` is how often the surroundings may be refined first.

@@ -8,10 +8,9 @@
 //! and around these the points next to edge `i`, next to edge `i + 1`, and the outermost. Open rings have one edge more than faces.
 
 use super::Point;
-use super::sectors::minus;
 use crate::refine::Options;
 use crate::refine::interpolating::{Masks, Sheets};
-use crate::refine::real::{Real, add_scaled};
+use crate::refine::real::Real;
 use crate::refine::sharpness::Step;
 use crate::scheme::by_valence::ByValence;
 use crate::scheme::dart::dominant_left;
@@ -51,43 +50,55 @@ impl RingMasks {
     }
 
     /// Two tangents in a closed ring of `n` faces, the first along edge 0, the second a right angle on.
-    pub(super) fn closed(&self, n: u32, ring: &[Point], x: &Point) -> Option<[Point; 2]> {
+    pub(super) fn closed<const N: usize>(
+        &self,
+        n: u32,
+        ring: &[[f64; N]],
+        x: &[f64; N],
+    ) -> Option<[[f64; N]; 2]> {
         let apply = |masks: &[Vec<f64>; 2]| [0, 1].map(|i| weigh(&masks[i], ring, x));
         (n > 2).then(|| self.closed.with(n, apply))
     }
 
     /// The tangent into an open ring of `k` faces between two edges of one smooth curve.
-    pub(super) fn across(&self, k: u32, ring: &[Point], x: &Point) -> Option<Point> {
+    pub(super) fn across<const N: usize>(
+        &self,
+        k: u32,
+        ring: &[[f64; N]],
+        x: &[f64; N],
+    ) -> Option<[f64; N]> {
         let apply = |mask: &Vec<f64>| weigh(mask, ring, x);
         (k <= MOST_OPEN).then(|| self.open.with(k, apply))
     }
 }
 
-fn weigh(mask: &[f64], ring: &[Point], x: &Point) -> Point {
-    let mut sum = [0.0; 3];
+fn weigh<const N: usize>(mask: &[f64], ring: &[[f64; N]], x: &[f64; N]) -> [f64; N] {
+    let mut sum = [0.0; N];
     for (w, p) in mask.iter().zip(ring) {
-        add_scaled(&mut sum, *w, &minus(p, x));
+        for ((s, p), x) in sum.iter_mut().zip(p).zip(x) {
+            *s += *w * (*p - *x);
+        }
     }
     sum
 }
 
 /// The two rings one level on, around the sheet that begins with `first`.
-pub(super) fn gather<T: Real>(
+pub(super) fn gather<T: Real, const N: usize>(
     t: &Topology,
-    sheets: &Sheets<'_, T, f64, 3>,
+    sheets: &Sheets<'_, T, f64, N>,
     scheme: Scheme,
     halves: &[u32],
     closed: bool,
-) -> Vec<Point> {
+) -> Vec<[f64; N]> {
     let end = |h: u32| sheets.at(t.next(h));
     // The last edge of an open ring arrives.
     let arriving = match halves.last() {
         Some(&h) if !closed => Some(t.prev(h)),
         _ => None,
     };
-    let mut out: Vec<Point> = halves.iter().map(|&h| sheets.edge_point(h)).collect();
+    let mut out: Vec<[f64; N]> = halves.iter().map(|&h| sheets.edge_point(h)).collect();
     out.extend(arriving.map(|h| sheets.edge_point(h)));
-    let ends = |out: &mut Vec<Point>| {
+    let ends = |out: &mut Vec<[f64; N]>| {
         out.extend(halves.iter().map(|&h| end(h)));
         out.extend(arriving.map(|h| sheets.at(h)));
     };
