@@ -405,15 +405,15 @@ impl Batch {
 /// # Ok::<(), earmark::mesh::CageError>(())
 /// ```
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct FaceEvaluator<'a> {
+    /// Whether the first quad is the face, and a patch.
+    whole: bool,
+    first: u32,
+    quad: QuadEvaluator,
+    face: u32,
     surface: &'a Surface,
     source: Source<'a>,
-    face: u32,
-    /// Its first quad.
-    first: u32,
-    /// Whether that quad is the face, and a patch.
-    whole: bool,
-    quad: QuadEvaluator,
     /// Further quads of a face that is split, and patches of deeper control levels, by depth and number.
     others: BTreeMap<(u32, u32), Box<QuadEvaluator>>,
     uv: Option<Box<Uvs<'a>>>,

@@ -31,7 +31,7 @@ const TABLE_LEVELS: u32 = 5;
 /// Bytes of the tables of one level; beyond, the mesh is refined further.
 const MOST_BYTES: usize = 64 << 20;
 /// Faces of all tables of one level, beyond which the mesh is refined further to have fewer or smaller ones …
-const MOST_FACES: usize = 1 << 14;
+const MOST_FACES: usize = 1 << 17;
 /// … up to this depth, where shapes become no fewer.
 const FEWEST_SHAPES: u32 = 3;
 

@@ -79,16 +79,19 @@ pub(crate) fn leaf<'a>(below: &'a dyn Descend, q: u32, u: f32, v: f32) -> Option
 }
 
 /// One quad of a mesh, ready to be evaluated; to be prepared again for the next.
+///
+/// In this order, so that what every parameter needs lies on one line of the cache.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(crate) struct QuadEvaluator {
-    q: u32,
     irregular: bool,
     /// Of an irregular quad: corners by place, where bit 0 is set at u = 1, bit 1 at v = 1.
     regular: [bool; 4],
-    /// Places in `patches` by corner (by place), depth and cell of the sheet; [`MISSING`] if not made.
-    slots: [[[u16; 4]; SHALLOW]; 4],
     /// The quad itself, or its pieces as parameters have asked for them.
     patches: Vec<Patch>,
+    /// Places in `patches` by corner (by place), depth and cell of the sheet; [`MISSING`] if not made.
+    slots: [[[u16; 4]; SHALLOW]; 4],
+    q: u32,
     /// Kept while the quad is regular, for its memory.
     parts: Option<Box<Parts>>,
 }

@@ -98,6 +98,18 @@ impl Tangents {
         let closed = sheets.twin(start) != NONE;
         let count = halves.len();
         let quads = self.0.scheme == Scheme::Kobbelt;
+        // Amid a regular grid both tangents are differences along its rows, with no need of the next level.
+        if let (true, true, &[a, b, c, d]) = (quads, closed, &halves[..]) {
+            let row = |a: u32, c: u32| -> Option<[f64; N]> {
+                let (p, q) = (sheets.at(t.next(a)), sheets.at(t.next(c)));
+                let (far_p, far_q) = (straight_on(t, sheets, a)?, straight_on(t, sheets, c)?);
+                let difference = |k: usize| 8.0 * (p[k] - q[k]) - (far_p[k] - far_q[k]);
+                Some(std::array::from_fn(difference))
+            };
+            if let (Some(u), Some(v)) = (row(a, c), row(b, d)) {
+                return Some([u, v]);
+            }
+        }
         let ring = gather(t, sheets, self.0.scheme, &halves, closed);
         let x = sheets.at(start);
         if closed {
@@ -111,6 +123,20 @@ impl Tangents {
         let inward = self.0.across(count as u32, &ring, &x)?;
         Some([along, inward])
     }
+}
+
+/// The vertex straight beyond the far end of `h`, if four quads meet there.
+fn straight_on<const N: usize>(
+    t: &Topology,
+    sheets: &Sheets<'_, f64, f64, N>,
+    h: u32,
+) -> Option<[f64; N]> {
+    let next = t.next(h);
+    let twin = sheets.twin(next);
+    if twin == NONE || sheets.is_irregular(next) {
+        return None;
+    }
+    Some(sheets.at(t.next(t.next(twin))))
 }
 
 /// The normal of the sector that begins with half-edge `start`; `spare` is how often the surroundings may be refined first.
