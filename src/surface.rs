@@ -319,6 +319,10 @@ impl Surface {
         below: Option<&'a TreeChannel<'a>>,
     ) -> Option<Channel<'a>> {
         let below = below.map(|b| b as &dyn Descend);
+        // Interpolating surfaces are no patches.
+        if self.tables.is_some() {
+            return None;
+        }
         if let Some(control) = &self.control {
             let mesh = control.root(kind)?;
             let Fans::Quads(_, fans) = &mesh.fans else {

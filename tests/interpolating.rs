@@ -358,3 +358,11 @@ fn blocks_share_their_border() {
         });
     }
 }
+
+#[test]
+fn evaluation_elsewhere_is_refused() {
+    for scheme in [Scheme::Kobbelt, Scheme::Butterfly] {
+        let surface = asset("cube.obj", scheme);
+        assert!(surface.evaluate(0, 0.3, 0.2).is_none(), "{scheme:?}");
+    }
+}
