@@ -24,6 +24,7 @@
 //! ```
 
 use std::fmt;
+use std::sync::OnceLock;
 
 /// Most lanes of any level: kernels pad their loops to multiples of it.
 pub const LANES: usize = 16;
@@ -108,7 +109,8 @@ impl Level {
     /// The strongest level of this machine.
     #[must_use]
     pub fn detect() -> Self {
-        Self::available().last().copied().unwrap_or(Self::SCALAR)
+        static BEST: OnceLock<Level> = OnceLock::new();
+        *BEST.get_or_init(|| Self::available().last().copied().unwrap_or(Self::SCALAR))
     }
 
     /// The level called `name`: `auto` (the strongest), `scalar`, `sse2`, `avx2`, `avx512` or `neon`.

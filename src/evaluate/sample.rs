@@ -1,7 +1,7 @@
 //! What an evaluation gives, in three sizes.
 
 use super::Local;
-use crate::dice::evaluate::{Jet, Place as Found, QuadEvaluator};
+use crate::dice::evaluate::{Jet, Place as Found, QuadEvaluator, Row};
 use crate::dice::face::Channel;
 use crate::math;
 
@@ -80,17 +80,6 @@ impl Asked<'_> {
     }
 }
 
-/// Writes what a grid gives one after the other.
-#[inline(always)]
-fn fill<S>(out: &mut [S], convert: impl Fn(Found) -> S) -> impl FnMut(Found) {
-    let mut out = out.iter_mut();
-    move |found| {
-        if let Some(out) = out.next() {
-            *out = convert(found);
-        }
-    }
-}
-
 impl sealed::Kind for [f32; 3] {
     #[inline(always)]
     fn evaluate(asked: Asked<'_>) -> Self {
@@ -100,8 +89,9 @@ impl sealed::Kind for [f32; 3] {
         }
     }
     fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
-        let out = fill(out, |found| jet(found).position.xyz());
-        asked.quad.grid::<0>(asked.channel, n, out);
+        rows::<0, _>(asked.quad, asked.channel, n, out, |row, out| {
+            row.tangents(out, |[position, ..]| position);
+        });
     }
 }
 
@@ -116,8 +106,9 @@ impl sealed::Kind for Tangents {
         out
     }
     fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
-        let out = fill(out, |found| Self::of(jet(found)));
-        asked.quad.grid::<1>(asked.channel, n, out);
+        rows::<1, _>(asked.quad, asked.channel, n, out, |row, out| {
+            row.tangents(out, |[position, du, dv]| Self { position, du, dv });
+        });
     }
 }
 
@@ -143,7 +134,15 @@ impl sealed::Kind for Sample {
         let Asked {
             quad, channel, at, ..
         } = asked;
-        quad.grid::<2>(channel, n, fill(out, Self::quick));
+        rows::<2, _>(quad, channel, n, out, |row, out| {
+            for (i, out) in out.iter_mut().enumerate() {
+                let jet = row.jet(i);
+                *out = Self::quick(match row.corner(i) {
+                    None => Found::Smooth(jet),
+                    Some(c) => Found::Corner(jet, c),
+                });
+            }
+        });
         // Places without a clear normal are evaluated once more, with all that can be done.
         let side = n as usize + 1;
         for (k, out) in out.iter_mut().enumerate() {
@@ -154,6 +153,22 @@ impl sealed::Kind for Sample {
                 *out = Self::of(quad, channel, &at, found);
             }
         }
+    }
+}
+
+/// Evaluates a grid of `n` segments row by row; `convert` writes a row's samples.
+#[inline(always)]
+fn rows<const ORDER: u32, S>(
+    quad: &mut QuadEvaluator,
+    channel: Channel<'_>,
+    n: u32,
+    out: &mut [S],
+    convert: impl Fn(&Row, &mut [S]),
+) {
+    let mut row = Row::new(n);
+    for (j, out) in (0..=n).zip(out.chunks_exact_mut(n as usize + 1)) {
+        quad.grid_row::<ORDER>(channel, j as f32 / n as f32, &mut row);
+        convert(&row, out);
     }
 }
 

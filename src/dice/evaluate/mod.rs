@@ -7,6 +7,7 @@
 //! nothing.
 
 mod ring;
+mod row;
 mod spline;
 
 use super::control::Descend;
@@ -16,8 +17,11 @@ use super::net::{Net, fill_phantoms, gather_net, put_corner, refine_node, turn};
 use super::point::{D4, P4, Point};
 use super::window::Around;
 use ring::Ring;
+use row::Column;
+pub(crate) use row::Row;
 pub(crate) use spline::Jet;
 use spline::{F4, Patch};
+use std::ops::Range;
 
 /// Parameters nearer than 2 to the minus this many to an irregular corner are the corner's.
 pub(crate) const MAX_DEPTH: u32 = 40;
@@ -187,9 +191,24 @@ struct Spot {
     slot: Slot,
     at: [f32; 2],
     scale: f32,
+    /// 1 in the further column of a sheet, else 0.
+    beyond: f32,
 }
 
 impl Spot {
+    /// Depth of the piece whose larger distance from an irregular corner is `most`.
+    #[inline(always)]
+    fn depth(most: f32) -> u32 {
+        (127 - (most.to_bits() >> 23) as i32).max(2) as u32
+    }
+
+    /// Along the row of this place: the parameter on its piece of another one that is on it too.
+    #[inline(always)]
+    fn along(&self, column: &Column) -> f32 {
+        let far = f32::from(u8::from(column.far));
+        (far - (column.from * self.scale - self.beyond)).abs()
+    }
+
     /// Depth is 1 at a regular corner. At an irregular one it is 2 from 1/4 on, and one more for every halving of the distance.
     ///
     /// Without branches, which parameters at random would make wait.
@@ -200,15 +219,15 @@ impl Spot {
         let from = [(f32::from(far[0]) - u).abs(), (f32::from(far[1]) - v).abs()];
         let corner = far[0] | far[1] << 1;
         let most = if from[0] > from[1] { from[0] } else { from[1] };
-        let exponent = (127 - (most.to_bits() >> 23) as i32).max(2);
-        let is_regular = i32::from(regular[corner as usize]);
-        let depth = exponent + (1 - exponent) * is_regular;
+        let exponent = Self::depth(most);
+        let is_regular = u32::from(regular[corner as usize]);
+        let depth = if is_regular == 1 { 1 } else { exponent };
         // Powers of two are exact, and so is what is left beyond the middle of the sheet.
-        let scale = f32::from_bits((127 + depth as u32) << 23);
-        let (mut cell, mut at) = (0, [0.0; 2]);
-        for k in 0..2 {
+        let scale = power(depth);
+        let (mut cell, mut at, mut beyond) = (0, [0.0; 2], 0);
+        for k in [1, 0] {
             let x = from[k] * scale;
-            let beyond = u8::from(x >= 1.0) & (is_regular as u8 ^ 1);
+            beyond = u8::from(x >= 1.0) & (is_regular as u8 ^ 1);
             cell |= (beyond ^ far[k]) << k;
             at[k] = (f32::from(far[k]) - (x - f32::from(beyond))).abs();
         }
@@ -220,6 +239,7 @@ impl Spot {
             },
             at,
             scale,
+            beyond: f32::from(beyond),
         }
     }
 }
@@ -234,6 +254,7 @@ impl QuadEvaluator {
         let regular = [regular(0), regular(1), regular(2), regular(3)];
         self.irregular = regular != [true; 4];
         if self.irregular {
+            self.patches.reserve(2 * SHALLOW);
             self.slots = [[[MISSING; 4]; SHALLOW]; 4];
             self.regular = CORNERS.map(|c| regular[c]);
             let parts = self.parts.get_or_insert_with(|| Box::new(Parts::empty()));
@@ -304,42 +325,76 @@ impl QuadEvaluator {
         }
     }
 
-    /// The quad on a grid of `n` by `n` segments, row by row, u first.
+    /// Row `j` of the quad's grid of `n` by `n` segments, u first.
     #[inline(always)]
-    pub(crate) fn grid<const ORDER: u32>(
+    pub(crate) fn grid_row<const ORDER: u32>(
         &mut self,
         channel: Channel<'_>,
-        n: u32,
-        mut out: impl FnMut(Place),
+        v: f32,
+        row: &mut Row,
     ) {
-        let at = |i: u32| i as f32 / n as f32;
+        row.begin();
         if !self.irregular {
-            for j in 0..=n {
-                let Some(patch) = self.patches.first() else {
-                    return;
-                };
-                let curve = patch.curve::<ORDER>(at(j));
-                (0..=n).for_each(|i| out(Place::Smooth(curve.jet::<ORDER>(at(i), 1.0))));
+            if let Some(patch) = self.patches.first() {
+                row.fill::<ORDER>(&patch.curve::<ORDER>(v));
             }
             return;
         }
-        for j in 0..=n {
-            // Along a row of the grid v is the same all through a patch.
-            let mut last = None;
-            for i in 0..=n {
-                let spot = Spot::new(&self.regular, at(i), at(j));
-                let Some(patch) = self.patch(channel, spot.slot) else {
-                    out(corner::<ORDER>(channel, self.q, spot.slot));
-                    continue;
-                };
-                let curve = match &last {
-                    Some((slot, curve)) if *slot == spot.slot => curve,
-                    _ => &last.insert((spot.slot, patch.curve::<ORDER>(spot.at[1]))).1,
-                };
-                out(Place::Smooth(curve.jet::<ORDER>(spot.at[0], spot.scale)));
+        let line = Column::new(v);
+        // Along a row of the grid v is the same all through a patch.
+        let (mut first, mut last) = (0, None);
+        for i in 0..row.columns.len() {
+            let key = self.key(row.columns[i], line);
+            if last != Some(key) {
+                if last.is_some() {
+                    self.grid_part::<ORDER>(channel, v, row, first..i);
+                }
+                (first, last) = (i, Some(key));
             }
         }
+        self.grid_part::<ORDER>(channel, v, row, first..row.columns.len());
     }
+
+    /// Different for places of a row on different pieces.
+    #[inline(always)]
+    fn key(&self, column: Column, line: Column) -> [u32; 3] {
+        let corner = usize::from(column.far) | usize::from(line.far) << 1;
+        if self.regular[corner] {
+            return [corner as u32, 1, 0];
+        }
+        let depth = column.depth.min(line.depth);
+        let beyond = column.from * power(depth) >= 1.0;
+        [corner as u32, depth, u32::from(beyond)]
+    }
+
+    /// The part of a row that lies on one piece.
+    #[inline(always)]
+    fn grid_part<const ORDER: u32>(
+        &mut self,
+        channel: Channel<'_>,
+        v: f32,
+        row: &mut Row,
+        columns: Range<usize>,
+    ) {
+        let u = row.columns[columns.start].u;
+        let spot = Spot::new(&self.regular, u, v);
+        let Some(patch) = self.patch(channel, spot.slot) else {
+            for _ in columns {
+                if let Place::Corner(jet, c) = corner::<ORDER>(channel, self.q, spot.slot) {
+                    row.append_corner(jet, c);
+                }
+            }
+            return;
+        };
+        let curve = patch.curve::<ORDER>(spot.at[1]);
+        row.append::<ORDER>(&curve, &spot, columns);
+    }
+}
+
+/// 2 to the `depth`.
+#[inline(always)]
+fn power(depth: u32) -> f32 {
+    f32::from_bits((127 + depth) << 23)
 }
 
 #[cold]
@@ -360,7 +415,7 @@ impl Parts {
     fn empty() -> Self {
         Self {
             net: [[D4::ZERO; 5]; 5],
-            sheets: Vec::new(),
+            sheets: Vec::with_capacity(SHALLOW),
             deep: Vec::new(),
             chains: [const { None }; 4],
             made: [false; 4],

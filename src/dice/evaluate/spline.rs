@@ -151,13 +151,13 @@ pub(super) struct Patch {
     coefficients: [[F4; 4]; 4],
 }
 
-/// A line of constant v on a patch: coefficients by powers of u of value and derivatives by v.
+/// A line of constant v on a patch: coefficients by powers of u of value and derivatives by v (of the second, half).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Curve {
-    origin: F4,
-    value: [F4; 4],
-    slope: [F4; 4],
-    bend: [F4; 4],
+    pub(super) origin: F4,
+    pub(super) value: [F4; 4],
+    pub(super) slope: [F4; 4],
+    pub(super) bend: [F4; 4],
 }
 
 impl Patch {
@@ -199,14 +199,8 @@ impl Patch {
 }
 
 impl Curve {
-    /// The line at `u`, by a parameter `scale` times as fast; not inlined as [`Patch::jet`].
-    #[inline(never)]
-    pub(super) fn jet<const ORDER: u32>(&self, u: f32, scale: f32) -> Jet {
-        self.at::<ORDER>(u).scaled::<ORDER>(scale)
-    }
-
     #[inline(always)]
-    fn at<const ORDER: u32>(&self, u: f32) -> Jet {
+    pub(super) fn at<const ORDER: u32>(&self, u: f32) -> Jet {
         let u = F4::splat(u);
         let [value, du, duu] = horner::<ORDER>(self.value, u);
         let mut jet = Jet::at(self.origin + value);
