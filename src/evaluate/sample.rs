@@ -1,6 +1,6 @@
 //! What an evaluation gives, in three sizes.
 
-use super::Local;
+use super::locate::Local;
 use crate::dice::evaluate::{Jet, Place as Found, QuadEvaluator, Row};
 use crate::dice::face::Channel;
 use crate::math;
@@ -50,7 +50,7 @@ impl Evaluated for Tangents {}
 impl Evaluated for [f32; 3] {}
 
 pub(super) mod sealed {
-    use super::super::{Local, Tip};
+    use super::super::locate::{Local, Tip};
     use crate::dice::evaluate::QuadEvaluator;
     use crate::dice::face::Channel;
 
