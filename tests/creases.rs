@@ -183,3 +183,46 @@ fn moved_points_leave_nothing_of_the_old_ones() {
         }
     }
 }
+
+/// Points of a level among those of the next: faces at an edge may then be diced at levels of their own, and still share the edge's bits.
+/// Of quads that holds for all points, of triangles for their sides; not for texture coordinates, which no two faces share.
+#[test]
+fn points_of_a_level_are_among_those_of_the_next() {
+    let mut compared = 0;
+    for make in [random_cage, random_triangles] {
+        for i in 0..COUNT / 4 {
+            let random = make(i);
+            let case = &random.case;
+            let options = SurfaceOptions {
+                scheme: Some(case.options.scheme),
+                boundary: Some(case.boundary),
+                creases: Some(case.options.creases),
+                triangles: Some(case.options.triangles),
+                face_varying: Some(case.fvar),
+            };
+            let surface = Surface::new(read(&random.obj), &options);
+            let faces = surface.quads().face_count() as u32;
+            for q in (0..faces).step_by(3) {
+                let mut coarse = surface.dice(q, 1);
+                for level in 2..7 {
+                    let fine = surface.dice(q, level);
+                    let n = coarse.side;
+                    for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
+                        let on_side = j == 0 || i + 1 == n || i == j;
+                        if surface.is_triangular() && !(on_side && j <= i) {
+                            continue;
+                        }
+                        let (a, b) = (j * n + i, 2 * j * fine.side + 2 * i);
+                        let at = format!("cage {i} face {q} level {level} at {i}, {j} of {n}");
+                        assert_eq!(coarse.points[a], fine.points[b], "{at}");
+                        assert_eq!(coarse.normals[a], fine.normals[b], "{at}, normals");
+                        compared += 1;
+                    }
+                    coarse = fine;
+                }
+            }
+        }
+    }
+    println!("creases: {compared} points are the same at the next level");
+    assert!(compared > 1_000_000);
+}

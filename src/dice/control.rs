@@ -135,6 +135,10 @@ impl FacePatch {
             self.leaf(&view, q, place, level);
             return;
         };
+        // Limits of values at features are known at the last level only.
+        if !view.fans.normals.is_empty() {
+            self.put_corners(&view, q, place, level);
+        }
         let half = 1_u32 << (level - 1);
         for c in 0..4_usize {
             if only.is_some_and(|side| c != side && c != (side + 1) % 4) {
@@ -148,23 +152,7 @@ impl FacePatch {
 
     /// Adds a quad that is a patch (or has no level left) at its place.
     fn leaf(&mut self, view: &View<'_>, q: u32, place: [u32; 2], level: u32) {
-        let size = 1_u32 << level;
-        for (c, [u, v]) in [[0, 0], [size, 0], [size, size], [0, size]]
-            .into_iter()
-            .enumerate()
-        {
-            // A piece has its own corners, but for irregular ones.
-            let h = 4 * q + c as u32;
-            let fan = view.topology.fan(h) as usize;
-            if level > 0 && view.topology.fans()[fan].is_regular() {
-                continue;
-            }
-            self.dots.push(Dot {
-                at: [place[0] + u, place[1] + v],
-                point: view.tip(h).unwrap_or(view.fans.limits[fan]),
-                normal: view.fans.normals.get(fan).copied().unwrap_or_default(),
-            });
-        }
+        self.put_corners(view, q, place, level);
         if level == 0 {
             return;
         }
@@ -182,6 +170,23 @@ impl FacePatch {
         (self.level, self.wanted) = (whole, wanted);
         for piece in &mut self.pieces[first..] {
             piece.origin = [piece.origin[0] + place[0], piece.origin[1] + place[1]];
+        }
+    }
+
+    /// Dots at the corners of quad `q`, which are what its own level says however deep the tree goes on.
+    fn put_corners(&mut self, view: &View<'_>, q: u32, place: [u32; 2], level: u32) {
+        let size = 1_u32 << level;
+        for (c, [u, v]) in [[0, 0], [size, 0], [size, size], [0, size]]
+            .into_iter()
+            .enumerate()
+        {
+            let h = 4 * q + c as u32;
+            let fan = view.topology.fan(h) as usize;
+            self.dots.push(Dot {
+                at: [place[0] + u, place[1] + v],
+                point: view.tip(h).unwrap_or(view.fans.limits[fan]),
+                normal: view.fans.normals.get(fan).copied().unwrap_or_default(),
+            });
         }
     }
 
@@ -246,6 +251,7 @@ impl FacePatch {
                 }
             };
             let range = BlockRange {
+                shift: 0,
                 start: place(from, across.min(n - segments)),
                 low: place(from, across),
                 high: place(from + segments, across),
@@ -273,15 +279,21 @@ impl FacePatch {
         }
     }
 
-    /// Writes the dots inside a block.
+    /// Writes the dots inside a block; where there are several, the one of the shallowest level is seen.
     pub(super) fn put_dots(
         &self,
         range: BlockRange,
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
-        for dot in self.dots.iter().filter(|d| d.is_in(range.low, range.high)) {
-            let [i, j] = [0, 1].map(|k| (dot.at[k] - range.start[k]) as usize);
+        let between = (1 << range.shift) - 1;
+        for dot in self.dots.iter().rev() {
+            let at = dot.at.map(|k| k >> range.shift);
+            let on_grid = (dot.at[0] | dot.at[1]) & between == 0;
+            if !on_grid || !(0..2).all(|k| (range.low[k]..=range.high[k]).contains(&at[k])) {
+                continue;
+            }
+            let [i, j] = [0, 1].map(|k| (at[k] - range.start[k]) as usize);
             points.set(i, j, dot.point);
             if let Some(normals) = normals.as_deref_mut() {
                 normals.set(i, j, dot.normal);

@@ -60,6 +60,8 @@ pub(crate) struct Samples {
     pub(crate) simd: Level,
     /// Whether normals are wanted too.
     pub(crate) normals: bool,
+    /// Whether the last sample is left to the strip that follows.
+    pub(crate) open: bool,
 }
 
 /// A strip of three by four control points along an edge; `l` lies to the left of the direction of travel.
@@ -136,7 +138,7 @@ impl Samples {
     /// Cuts the samples into runs of at most a line: first sample and number.
     #[inline(always)]
     fn runs(&self, mut f: impl FnMut(usize, usize)) {
-        let count = (1_usize << self.level) + 1;
+        let count = (1_usize << self.level) + usize::from(!self.open);
         let mut i = 0;
         while i < count {
             f(i, (count - i).min(LINE));
@@ -274,6 +276,9 @@ pub(crate) fn regular_half(
 
 /// Half at an irregular end: `rings[d]` is its window at depth `d + 1`, `b` the other end's window at depth 1.
 /// Level and places in `half` are those of the whole edge and of its end at the vertex.
+///
+/// A sample where two strips meet is that of the strip further from the vertex, and does not depend on how many strips follow:
+/// so the samples of a level are among those of the next, bit for bit.
 pub(crate) fn irregular_half(
     rings: &[Near],
     s: i32,
@@ -283,6 +288,17 @@ pub(crate) fn irregular_half(
     out: &mut EdgeSamples,
 ) {
     let mut far = far_row(&rings[0], s, b, sb);
+    // The middle is regular, the start of a strip whose last row has no weight there.
+    let (near, mid) = (row_at(&rings[0], s), row_ahead(&rings[0], s));
+    strip([near, mid, far, far]).sample(
+        Samples {
+            level: 0,
+            at: half.at + half.step * (1_i64 << (half.level - 1)),
+            open: true,
+            ..half
+        },
+        out,
+    );
     for depth in 1..half.level {
         let (ring, next) = (&rings[depth as usize - 1], &rings[depth as usize]);
         let (near, mid) = (row_at(ring, s), row_ahead(ring, s));
@@ -305,22 +321,11 @@ pub(crate) fn irregular_half(
             Samples {
                 level: half.level - depth - 1,
                 at: start,
+                open: true,
                 ..half
             },
             out,
         );
         far = new_far;
-    }
-    if half.level == 1 {
-        // The middle is all there is; it is regular, the start of a strip whose last row has no weight there.
-        let (near, mid) = (row_at(&rings[0], s), row_ahead(&rings[0], s));
-        strip([near, mid, far, far]).sample(
-            Samples {
-                level: 0,
-                at: half.at + half.step,
-                ..half
-            },
-            out,
-        );
     }
 }

@@ -60,6 +60,28 @@ pub(crate) enum Sides {
     Normals,
 }
 
+/// A square of a face's grid: the points of level `level` from `start` on, `segments` and one more along each side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// At most the level that the face is prepared for.
+    pub(crate) level: u32,
+    pub(crate) start: [u32; 2],
+    /// At most 32; 0 for one point.
+    pub(crate) segments: u32,
+}
+
+impl Part {
+    /// Block (`bu`, `bv`) of a whole level.
+    pub(crate) fn block(level: u32, block: [u32; 2]) -> Self {
+        let segments = 1_u32 << level.min(5);
+        Self {
+            level,
+            start: block.map(|b| b * segments),
+            segments,
+        }
+    }
+}
+
 /// A quad prepared for dicing at one level, with buffers that are used again for the next quad.
 #[derive(Clone, Debug)]
 pub struct FacePatch {
@@ -199,6 +221,7 @@ impl FacePatch {
             step: 1,
             simd: self.simd,
             normals: self.wanted == Sides::Normals,
+            open: false,
         };
         let out = &mut self.sides[c];
         if forward {
@@ -337,8 +360,8 @@ impl FacePatch {
             }
             return;
         }
-        if level == 1 {
-            // No piece reaches the middle of a side between two irregular corners: a point of its own, without orientation.
+        if level == 1 || self.wanted == Sides::None {
+            // At level 1 no piece reaches the middle of a side between two irregular corners: a point of its own, without orientation.
             for c in 0..4 {
                 if !regular[c] && !regular[(c + 1) % 4] {
                     let full = turn(&net, c);
@@ -354,7 +377,7 @@ impl FacePatch {
                     let origin = [[1, 0], [2, 1], [1, 2], [0, 1]][c];
                     self.pieces.push(Piece {
                         net: at,
-                        origin,
+                        origin: origin.map(|k| k * half),
                         size: 0,
                         level: 0,
                     });
@@ -431,6 +454,7 @@ impl FacePatch {
                 step,
                 simd: self.simd,
                 normals: self.wanted == Sides::Normals,
+                open: false,
             };
             // The middle belongs to the half at the lower vertex.
             let middle = (n / 2) as usize;
@@ -473,19 +497,27 @@ impl FacePatch {
     }
 
     /// Dices block (`bu`, `bv`) of the face.
-    pub(crate) fn dice(
+    pub(crate) fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        self.dice_part(Part::block(self.level, [bu, bv]), points, normals);
+    }
+
+    /// Dices a part of the face, which may be of a coarser level. Points have the bits that every other part and level gives them.
+    pub(crate) fn dice_part(
         &self,
-        bu: u32,
-        bv: u32,
+        part: Part,
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
-        let segments = 1_u32 << self.level.min(5);
-        let start = [bu * segments, bv * segments];
+        let Part {
+            level,
+            start,
+            segments,
+        } = part;
         // What the sides write is left out.
-        let n = 1_u32 << self.level;
+        let n = 1_u32 << level;
         let inner = u32::from(self.wanted > Sides::None);
         let range = BlockRange {
+            shift: self.level - level,
             start,
             low: start.map(|k| k.max(inner)),
             high: start.map(|k| (k + segments).min(n - inner)),
@@ -504,7 +536,7 @@ impl FacePatch {
             self.put_dots(range, points, normals.as_deref_mut());
         }
         if self.wanted > Sides::None && self.level > 0 {
-            self.dice_sides(start, segments, points, normals.as_deref_mut());
+            self.dice_sides(part, points, normals.as_deref_mut());
         }
         if self.refined && self.wanted <= Sides::None && self.level > 0 {
             return;
@@ -522,17 +554,14 @@ impl FacePatch {
         }
     }
 
-    fn dice_sides(
-        &self,
-        start: [u32; 2],
-        segments: u32,
-        points: &mut Grid3,
-        mut normals: Option<&mut Grid3>,
-    ) {
-        let n = 1_usize << self.level;
-        let (u0, v0, m) = (start[0] as usize, start[1] as usize, segments as usize);
+    fn dice_sides(&self, part: Part, points: &mut Grid3, mut normals: Option<&mut Grid3>) {
+        let n = 1_usize << part.level;
+        let shift = self.level - part.level;
+        let [u0, v0] = part.start.map(|k| k as usize);
+        let m = part.segments as usize;
         debug_assert!(m < BLOCK_POINTS);
         let mut copy = |side: &EdgeSamples, k: usize, i: usize, j: usize| {
+            let k = k << shift;
             points.set(i, j, std::array::from_fn(|c| side.points[c][k]));
             if let Some(normals) = normals.as_deref_mut() {
                 normals.set(i, j, std::array::from_fn(|c| side.normals[c][k]));
@@ -565,10 +594,16 @@ impl FacePatch {
     }
 
     /// The same for one block.
-    pub(crate) fn block_hull(&self, bu: u32, bv: u32, mut out: impl FnMut([f32; 3])) {
-        let segments = 1_u32 << self.level.min(5);
+    pub(crate) fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
+        self.part_hull(Part::block(self.level, [bu, bv]), out);
+    }
+
+    /// The same for a part.
+    pub(crate) fn part_hull(&self, part: Part, mut out: impl FnMut([f32; 3])) {
+        let shift = self.level - part.level;
+        let segments = part.segments << shift;
         let n = 1_u32 << self.level;
-        let start = [bu * segments, bv * segments];
+        let start = part.start.map(|k| k << shift);
         for piece in &self.pieces {
             let range = |k: usize| {
                 let lo = piece.origin[k].max(start[k]);

@@ -97,9 +97,11 @@ fn overlap(origin: u32, size: u32, start: u32, low: u32, high: u32) -> Option<Ov
     })
 }
 
-/// The block that pieces are diced into.
+/// The block that pieces are diced into, in points of a grid that has every `2^shift`-th point of the pieces' own.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockRange {
+    /// Levels that the grid is coarser than the pieces'.
+    pub(crate) shift: u32,
     /// Grid point at which the block begins.
     pub(crate) start: [u32; 2],
     /// First grid point wanted along u and v.
@@ -108,7 +110,10 @@ pub(crate) struct BlockRange {
     pub(crate) high: [u32; 2],
 }
 
-/// Dices the parts of all pieces inside a block, in their order.
+/// Dices the parts of all pieces inside a block, the last ones first.
+///
+/// Pieces follow each other from the widest to those next to irregular corners, so where two meet the wider one is seen. Which that is does
+/// not depend on how many follow: the points of a level are among those of the next, bit for bit.
 #[inline(always)]
 pub(crate) fn dice_pieces(
     pieces: &[Piece],
@@ -117,7 +122,7 @@ pub(crate) fn dice_pieces(
     points: &mut Grid3,
     mut normals: Option<&mut Grid3>,
 ) {
-    for piece in pieces {
+    for piece in pieces.iter().rev() {
         dice_piece(piece, target, range, points, normals.as_deref_mut());
     }
 }
@@ -131,25 +136,21 @@ fn dice_piece(
     points: &mut Grid3,
     normals: Option<&mut Grid3>,
 ) {
-    let Some(cols) = overlap(
-        piece.origin[0],
-        piece.size,
-        range.start[0],
-        range.low[0],
-        range.high[0],
-    ) else {
+    let size = piece.size >> range.shift;
+    let between = (1 << range.shift) - 1;
+    // The corners of a piece smaller than a cell of the grid belong to wider ones too.
+    let skipped = match piece.size {
+        0 => (piece.origin[0] | piece.origin[1]) & between != 0,
+        _ => size == 0,
+    };
+    let along = |k: usize| {
+        let origin = piece.origin[k] >> range.shift;
+        overlap(origin, size, range.start[k], range.low[k], range.high[k])
+    };
+    let (false, Some(cols), Some(rows)) = (skipped, along(0), along(1)) else {
         return;
     };
-    let Some(rows) = overlap(
-        piece.origin[1],
-        piece.size,
-        range.start[1],
-        range.low[1],
-        range.high[1],
-    ) else {
-        return;
-    };
-    let basis = Basis::get(target, piece.level);
+    let basis = Basis::get(target, piece.level.saturating_sub(range.shift));
     let n = cols.count.next_multiple_of(LANES);
     let mut line = [[0.0; LINE]; 3];
     for j in 0..rows.count {

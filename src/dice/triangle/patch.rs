@@ -274,6 +274,7 @@ impl TrianglePatch {
             step: to.step,
             simd: self.simd,
             normals: self.wanted == Sides::Normals,
+            open: false,
         };
         let back = Samples {
             at: to.at + n * to.step,

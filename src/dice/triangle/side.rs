@@ -54,7 +54,7 @@ impl Strip {
     #[inline(always)]
     fn sample_kernel(&self, to: Samples, out: &mut EdgeSamples) {
         let b = Bernstein::get(to.level);
-        let count = (1_usize << to.level) + 1;
+        let count = (1_usize << to.level) + usize::from(!to.open);
         let mut first = expand_row(&self.net, expansion(to.target, to.level), 0);
         for q in &mut first {
             *q = self.base + *q;
@@ -117,6 +117,8 @@ pub(super) fn regular_half(
 }
 
 /// Half at an irregular end: `rings[d]` is its ring after `d + 1` steps, relative to `base`; `b` the other end's after the first.
+///
+/// As on quads, a sample where two strips meet is that of the strip further from the vertex, so that levels are nested bit for bit.
 pub(super) fn irregular_half(
     rings: &[Near],
     base: P4,
@@ -131,6 +133,14 @@ pub(super) fn irregular_half(
     let around = |ring: &Near, [right, ahead, left]: [P4; 3]| {
         [ahead, left, ring.e(s + 1), ring.v, ring.e(s - 1), right]
     };
+    // The middle is regular, the start of a strip whose far points have no weight there.
+    let to = Samples {
+        level: 0,
+        at: half.at + half.step * (1_i64 << (half.level - 1)),
+        open: true,
+        ..half
+    };
+    Strip::new(rings[0].e(s), around(&rings[0], far), [P4::ZERO; 3], base).sample(to, out);
     for depth in 1..half.level {
         let (ring, next) = (&rings[depth as usize - 1], &rings[depth as usize]);
         let (m, e) = (ring.e(s), around(ring, far));
@@ -140,36 +150,10 @@ pub(super) fn irregular_half(
         let to = Samples {
             level: half.level - depth - 1,
             at: half.at + half.step * (1_i64 << (half.level - depth - 1)),
+            open: true,
             ..half
         };
         Strip::new(next.e(s), ring, [edge(5), edge(0), edge(1)], base).sample(to, out);
         far = [right, centre, left];
-    }
-    if half.level == 1 {
-        // The middle is all there is; it is regular, the start of a strip whose far points have no weight there.
-        let to = Samples {
-            level: 0,
-            at: half.at + half.step,
-            ..half
-        };
-        let ring = &rings[0];
-        let strip = Strip::new(ring.e(s), around(ring, far), [P4::ZERO; 3], base);
-        let mut one = EdgeSamples::default();
-        one.resize(1);
-        strip.sample(
-            Samples {
-                at: 0,
-                step: 1,
-                ..to
-            },
-            &mut one,
-        );
-        let middle = to.at as usize;
-        for c in 0..3 {
-            out.points[c][middle] = one.points[c][0];
-            if to.normals {
-                out.normals[c][middle] = one.normals[c][0];
-            }
-        }
     }
 }
