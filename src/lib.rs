@@ -47,6 +47,7 @@ pub mod dice;
 pub mod evaluate;
 pub mod files;
 pub mod film;
+pub mod flatness;
 pub mod frame;
 pub mod limits;
 pub mod load;

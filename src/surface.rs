@@ -477,6 +477,11 @@ impl Surface {
         self.ensure(level);
         self.tables.as_ref()?.table_bytes(level)
     }
+    /// Whether faces are quads with control points of their own, not triangles and not tables of an interpolating scheme.
+    pub(crate) fn has_quads(&self) -> bool {
+        !self.triangles && self.tables.is_none()
+    }
+
     /// The ears of the quads, in the layout of the published buffers.
     #[must_use]
     pub fn ears(&self) -> Ears {

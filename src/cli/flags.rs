@@ -1,6 +1,7 @@
 //! The flags that verbs share, and how their values are read. Every value is checked here, before any work is done.
 
 use clap::{Args, ValueEnum};
+use earmark::flatness::Flatness;
 use earmark::frame::{Drawing, Refinement, Renderer};
 use earmark::mesh::obj::UpAxis as FileUp;
 use earmark::raster::MAX_SCREEN;
@@ -229,6 +230,9 @@ pub(crate) struct LevelFlags {
     /// Uniform level of refinement, 0 to 10 [default: per model, from the length of its edges in pixels]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: Option<u32>,
+    /// Largest distance of triangles from the limit surface on the screen, in pixels; edge by edge and block by block [default of render: 0.5]
+    #[arg(long, value_name = "PX", value_parser = parse_flatness, conflicts_with = "level")]
+    pub(crate) adaptive: Option<f32>,
     /// Highest level that is chosen without --level, 0 to 10
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) max_level: u32,
@@ -245,10 +249,19 @@ impl LevelFlags {
     pub(crate) fn refinement(&self) -> Refinement {
         match self.level {
             Some(level) => Refinement::Uniform(level),
-            None => Refinement::ByEdgeLength {
+            None => Refinement::Adaptive(Flatness {
+                pixels: self.adaptive.unwrap_or(Flatness::default().pixels),
                 max_level: self.max_level,
-            },
+                ..Flatness::default()
+            }),
         }
+    }
+}
+
+fn parse_flatness(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(pixels) if (0.01..=1e4).contains(&pixels) => Ok(pixels),
+        _ => Err("expected pixels, 0.01 to 10000".into()),
     }
 }
 

@@ -147,6 +147,7 @@ pub(crate) fn frame_stages(stats: &earmark::frame::FrameStats, cpu: f64) -> Stag
     let fused = [Stage::Dice, Stage::Tile, Stage::Shade, Stage::Film];
     let sum: f64 = fused.iter().map(|&s| ms(stats.times.get(s))).sum();
     let mut walls = vec![
+        (Stage::Flatness, ms(stats.flatness)),
         (Stage::Setup, ms(stats.wall[0])),
         (Stage::Bin, ms(stats.wall[1])),
     ];

@@ -583,6 +583,22 @@ impl FacePatch {
         }
     }
 
+    /// Samples of side `c` at the level that was prepared, ends included; sides must have been wanted.
+    pub(crate) fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
+        points.clear();
+        normals.clear();
+        let (first, last) = (self.corners[c], self.corners[(c + 1) % 4]);
+        let side = &self.sides[c];
+        points.push(first.0);
+        normals.push(first.1);
+        for k in 1..1 << self.level {
+            points.push([0, 1, 2].map(|i| side.points[i][k]));
+            normals.push([0, 1, 2].map(|i| side.normals[i][k]));
+        }
+        points.push(last.0);
+        normals.push(last.1);
+    }
+
     /// Points whose convex hull holds the whole diced face, but for rounding.
     pub(crate) fn hull(&self, mut out: impl FnMut([f32; 3])) {
         for piece in &self.pieces {

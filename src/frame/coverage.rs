@@ -81,7 +81,7 @@ fn tile_coverage(frame: &Frame<'_>, tile: usize, fault: CoverageFault) -> Signed
             project(
                 frame.simd,
                 &points,
-                source.block_size(),
+                source.block_size(local),
                 &frame.view.projection,
                 &mut projected,
             );

@@ -1,7 +1,7 @@
 //! A frame: order of stages, tiles over threads, and the level of each model. The only module that sees all others.
 //!
 //! ```text
-//! quads ─ setup ─▶ screen boxes ─ bin ─▶ per tile: dice ▸ project ▸ rasterise ─▶ keys ─ dice again what is seen ▸ shade ─▶ film ─▶ pixels
+//! (flatness ─▶ blocks) quads ─ setup ─▶ screen boxes ─ bin ─▶ per tile: dice ▸ project ▸ rasterise ─▶ keys ─ dice again what is seen ▸ shade ─▶ film ─▶ pixels
 //! ```
 //!
 //! Tiles are independent and each is drawn by one thread from its bin, whose items stand in ascending order. So the picture is the
@@ -10,6 +10,7 @@
 #[doc(hidden)]
 pub mod coverage;
 mod cutout;
+mod leaf;
 mod level;
 mod scene;
 mod source;
@@ -18,8 +19,9 @@ mod tile;
 
 use crate::camera::{Camera, CameraError, Sphere, View};
 use crate::film::{Film, Image};
+use crate::flatness::{Flatness, Tessellation};
 use crate::limits::{LimitError, Limits};
-use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, tile_side};
+use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
 use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
@@ -36,10 +38,13 @@ use source::{Source, SourceScratch};
 use tile::Scratch;
 
 /// How far surfaces are refined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refinement {
     /// The same level everywhere, 0 to 10.
     Uniform(u32),
+    /// As fine as the picture asks for, edge by edge and block by block; the limit surface of quads alone. Others, and other drawings, get a
+    /// level from the length of their edges.
+    Adaptive(Flatness),
     /// Per model, from the length of its edges on the screen, up to a limit.
     ByEdgeLength {
         /// Highest level.
@@ -264,8 +269,16 @@ impl Renderer {
         draw: impl FnOnce(&Frame<'_>, FrameStats) -> Result<T, LimitError>,
     ) -> Result<T, RenderError> {
         self.check_size()?;
-        let levels = self.levels(scene, view)?;
-        let (sources, item_count) = Source::all(scene, self.drawing, &levels);
+        let mut levels = self.levels(scene, view)?;
+        let begin = Instant::now();
+        let tessellations = self.tessellations(scene, view, &mut levels)?;
+        let flatness = begin.elapsed();
+        let flatness_bytes = tessellations
+            .iter()
+            .flatten()
+            .map(|t| t.bytes() + t.tree_bytes);
+        let flatness_bytes = flatness_bytes.sum::<usize>() as u64;
+        let (sources, item_count) = Source::all(scene, self.drawing, &levels, tessellations);
         let microtriangles = sources.iter().map(Source::triangles).sum();
         self.limits.faces(u128::from(microtriangles) / 2)?;
         self.limits
@@ -301,6 +314,8 @@ impl Renderer {
             faces: scene.face_count() as u64,
             microtriangles,
             levels,
+            flatness,
+            flatness_bytes,
             ..FrameStats::default()
         };
         let begin = Instant::now();
@@ -348,7 +363,8 @@ impl Renderer {
                 Err(RenderError::Level { level })
             }
             Refinement::Uniform(level) => Ok(vec![level; scene.objects.len()]),
-            Refinement::ByEdgeLength { max_level } => Ok(scene
+            Refinement::Adaptive(Flatness { max_level, .. })
+            | Refinement::ByEdgeLength { max_level } => Ok(scene
                 .objects
                 .iter()
                 .map(|o| {
@@ -356,6 +372,47 @@ impl Renderer {
                 })
                 .collect()),
         }
+    }
+
+    /// Adaptive tessellations of the objects that have them, and their deepest levels.
+    fn tessellations(
+        &self,
+        scene: &Scene,
+        view: &View,
+        levels: &mut [u32],
+    ) -> Result<Vec<Option<Tessellation>>, LimitError> {
+        let mut out = Vec::new();
+        for (object, level) in scene.objects.iter().zip(levels) {
+            let surface = &object.surface;
+            let flatness = match self.refinement {
+                Refinement::Adaptive(flatness)
+                    if self.drawing == Drawing::Limit && surface.has_quads() =>
+                {
+                    flatness
+                }
+                _ => {
+                    out.push(None);
+                    continue;
+                }
+            };
+            let is_drawn = |quad: u32, hull: &mut Vec<[f32; 3]>| {
+                let face = surface.cage_face(quad);
+                let clear = scene.materials.get(object.material(face) as usize);
+                !surface.topology().is_hole(face)
+                    && clear.is_none_or(|m| m.opacity >= 0.5)
+                    && bounds(hull, &view.projection, self.size).is_some()
+            };
+            let split = u32::from(surface.is_split());
+            let flatness = Flatness {
+                max_level: flatness.max_level.saturating_sub(split),
+                ..flatness
+            };
+            let found = Tessellation::new(surface, view, &flatness, &self.limits, is_drawn)?;
+            let deepest = found.leaves.iter().map(|l| u32::from(l.level)).max();
+            *level = deepest.unwrap_or(0) + split;
+            out.push(Some(found));
+        }
+        Ok(out)
     }
 
     /// Screen boxes of all items, in parallel.

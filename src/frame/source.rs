@@ -3,13 +3,15 @@
 //! Items are numbered through all objects of a scene; an item has one or more blocks. This is the one place that knows what an item
 //! is; binning, drawing and shading only count them.
 
+use super::leaf::{self, Spare};
 use super::scene::{Object, Scene};
 use crate::dice::FacePatch;
 use crate::dice::face::Sides;
+use crate::flatness::Tessellation;
 use crate::mesh::NONE;
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
-use crate::surface::{QuadPatch, RefinedFans};
+use crate::surface::{QuadPatch, RefinedFans, Surface};
 
 /// What is drawn of each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,13 +45,18 @@ pub(super) struct Source<'a> {
     pub(super) level: u32,
     drawing: Drawing,
     refined: Option<RefinedFans>,
+    /// Items are its leaves, not quads.
+    tessellation: Option<Tessellation>,
 }
 
 /// Buffers of one thread.
 #[derive(Default)]
 pub(super) struct SourceScratch {
-    patch: QuadPatch,
+    pub(super) patch: QuadPatch,
     prepared: Option<(u32, Sides)>,
+    /// Of the surface that is drawn, what is prepared: quad and level.
+    leaf: Option<(usize, u32, u32, Sides)>,
+    pub(super) spare: Spare,
 }
 
 impl SourceScratch {
@@ -62,6 +69,21 @@ impl SourceScratch {
     /// Forgets which item is prepared: numbers of another scene mean other items.
     pub(super) fn forget(&mut self) {
         self.prepared = None;
+        self.leaf = None;
+    }
+
+    /// Prepares a quad of a surface at a level, unless it is.
+    pub(super) fn prepare(&mut self, surface: &Surface, quad: u32, level: u32, sides: Sides) {
+        // The address tells surfaces of one scene apart.
+        let of = std::ptr::from_ref(surface) as usize;
+        let ready = self
+            .leaf
+            .is_some_and(|(s, q, l, have)| (s, q, l) == (of, quad, level) && have >= sides);
+        if !ready {
+            self.patch.prepare_points(surface, quad, level, None, sides);
+            self.leaf = Some((of, quad, level, sides));
+            self.prepared = None;
+        }
     }
 }
 
@@ -96,9 +118,15 @@ const PAIR: BlockSize = BlockSize { cols: 2, rows: 2 };
 
 impl<'a> Source<'a> {
     /// Sources of all objects, and the number of items.
-    pub(super) fn all(scene: &'a Scene, drawing: Drawing, levels: &[u32]) -> (Vec<Self>, u32) {
+    pub(super) fn all(
+        scene: &'a Scene,
+        drawing: Drawing,
+        levels: &[u32],
+        tessellations: Vec<Option<Tessellation>>,
+    ) -> (Vec<Self>, u32) {
         let (mut first_item, mut first_face) = (0, 0);
-        let sources = scene.objects.iter().zip(levels).map(|(object, &level)| {
+        let objects = scene.objects.iter().zip(levels).zip(tessellations);
+        let sources = objects.map(|((object, &level), tessellation)| {
             let quad_level = level.saturating_sub(u32::from(object.surface.is_split()));
             if drawing != Drawing::Cage {
                 object.surface.ensure(quad_level);
@@ -112,6 +140,7 @@ impl<'a> Source<'a> {
                 level,
                 drawing,
                 refined,
+                tessellation,
             };
             first_item += source.item_count();
             first_face += object.surface.cage().face_count() as u32;
@@ -122,15 +151,27 @@ impl<'a> Source<'a> {
     }
 
     pub(super) fn item_count(&self) -> u32 {
-        match self.drawing {
-            Drawing::Cage => self.object.surface.cage().face_count() as u32,
+        match (self.drawing, &self.tessellation) {
+            (_, Some(t)) => t.leaves.len() as u32,
+            (Drawing::Cage, _) => self.object.surface.cage().face_count() as u32,
             _ => self.object.surface.quads().face_count() as u32,
+        }
+    }
+
+    /// Level of what an item shows, of the cage.
+    pub(super) fn level(&self, item: u32) -> u32 {
+        match &self.tessellation {
+            Some(t) => {
+                let split = u32::from(self.object.surface.is_split());
+                u32::from(t.leaves[item as usize].level) + split
+            }
+            None => self.level,
         }
     }
 
     /// Level 0 of a cage with n-gons: its polygons with limit points at the corners.
     fn is_polygonal(&self) -> bool {
-        self.level == 0 && self.object.surface.is_split()
+        self.tessellation.is_none() && self.level == 0 && self.object.surface.is_split()
     }
 
     /// Level of the quads.
@@ -141,7 +182,9 @@ impl<'a> Source<'a> {
 
     /// Face of the cage that a local item shows.
     pub(super) fn cage_face(&self, item: u32) -> u32 {
-        if self.drawing == Drawing::Cage {
+        if let Some(t) = &self.tessellation {
+            self.object.surface.cage_face(t.leaves[item as usize].quad)
+        } else if self.drawing == Drawing::Cage {
             item
         } else {
             self.object.surface.cage_face(item)
@@ -150,6 +193,9 @@ impl<'a> Source<'a> {
 
     /// Whether a local item is drawn at all.
     pub(super) fn is_drawn(&self, item: u32) -> bool {
+        if self.tessellation.is_some() {
+            return true;
+        }
         let surface = &self.object.surface;
         let face = self.cage_face(item);
         if surface.topology().is_hole(face) {
@@ -164,6 +210,9 @@ impl<'a> Source<'a> {
 
     /// Blocks of a local item along each side; the polygons of a cage are in a row.
     pub(super) fn blocks(&self, item: u32) -> [u32; 2] {
+        if self.tessellation.is_some() {
+            return [1, 1];
+        }
         if self.drawing == Drawing::Cage {
             let n = self.object.surface.cage().face(item as usize).len() as u32;
             return [if n == 4 { 1 } else { n - 2 }, 1];
@@ -176,8 +225,10 @@ impl<'a> Source<'a> {
         self.drawing == Drawing::Cage || !self.object.surface.is_triangular() || bv <= bu
     }
 
-    pub(super) fn block_size(&self) -> BlockSize {
-        if self.drawing == Drawing::Cage {
+    pub(super) fn block_size(&self, item: u32) -> BlockSize {
+        if let Some(t) = &self.tessellation {
+            leaf::block_size(&t.leaves[item as usize])
+        } else if self.drawing == Drawing::Cage {
             PAIR
         } else {
             FacePatch::block_size(self.quad_level())
@@ -186,6 +237,9 @@ impl<'a> Source<'a> {
 
     /// Micro-triangles of all items that are drawn.
     pub(super) fn triangles(&self) -> u64 {
+        if let Some(t) = &self.tessellation {
+            return leaf::triangles(t);
+        }
         let per_face = if self.object.surface.is_triangular() {
             1_u64
         } else {
@@ -208,6 +262,7 @@ impl<'a> Source<'a> {
             .prepared
             .is_some_and(|(i, s)| i == key.0 && s >= sides);
         if !ready {
+            scratch.leaf = None;
             scratch.patch.prepare_points(
                 &self.object.surface,
                 item,
@@ -223,7 +278,9 @@ impl<'a> Source<'a> {
     pub(super) fn hull(&self, scratch: &mut SourceScratch, item: u32, out: &mut Vec<[f32; 3]>) {
         out.clear();
         let surface = &self.object.surface;
-        if self.drawing == Drawing::Cage {
+        if let Some(t) = &self.tessellation {
+            leaf::hull(surface, t, item, scratch, out);
+        } else if self.drawing == Drawing::Cage {
             let cage = surface.cage();
             out.extend(
                 cage.face(item as usize)
@@ -270,6 +327,9 @@ impl<'a> Source<'a> {
         points: &mut Grid3,
         attributes: Option<&mut Attributes>,
     ) {
+        if let Some(t) = &self.tessellation {
+            return leaf::dice(&self.object.surface, t, item, scratch, points, attributes);
+        }
         if self.drawing == Drawing::Cage {
             return self.dice_cage(item, bu, points, attributes);
         }

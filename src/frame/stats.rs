@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 /// A stage of the frame; the names are those of the modules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
+    /// Levels and blocks of an adaptive tessellation.
+    Flatness,
     /// Hulls and screen boxes.
     Setup,
     /// Bins of tiles.
@@ -21,7 +23,8 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the frame.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
+        Self::Flatness,
         Self::Setup,
         Self::Bin,
         Self::Dice,
@@ -34,6 +37,7 @@ impl Stage {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Flatness => "flatness",
             Self::Setup => "setup",
             Self::Bin => "bin",
             Self::Dice => "dice",
@@ -97,10 +101,14 @@ pub struct FrameStats {
     pub microtriangles: u64,
     /// Pixels with something in them.
     pub pixels_covered: u64,
-    /// Level of each object.
+    /// Level of each object; of adaptive ones, their deepest.
     pub levels: Vec<u32>,
     /// Time per stage summed over threads; zero unless asked for.
     pub times: StageTimes,
-    /// Wall time of set-up, bins, and tiles; zero unless asked for.
+    /// Wall time of set-up, bins, and tiles.
     pub wall: [Duration; 3],
+    /// Wall time of the adaptive tessellation.
+    pub flatness: Duration,
+    /// Bytes of adaptive tessellations: blocks with their moved points, and trees of edges.
+    pub flatness_bytes: u64,
 }

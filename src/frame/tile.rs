@@ -131,7 +131,7 @@ pub(super) fn draw_tile(
 fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
     let source = frame.source_of(item);
     let local = item - source.first_item;
-    let size = source.block_size();
+    let size = source.block_size(local);
     let cutout = frame.cutout(source.object.material(source.cage_face(local)));
     let [nu, nv] = source.blocks(local);
     for bv in 0..nv {
@@ -285,7 +285,7 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         let Drawn { item, block } = s.drawn[rank];
         let source = frame.source_of(item);
         let local = item - source.first_item;
-        let size = source.block_size();
+        let size = source.block_size(local);
         source.dice(
             &mut s.source,
             local,
@@ -307,7 +307,7 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         let face = source.cage_face(local);
         let template = SurfacePoint {
             face: source.first_face + face,
-            level: source.level,
+            level: source.level(local),
             material: source.object.material(face),
             ..SurfacePoint::default()
         };

@@ -2,7 +2,7 @@
 
 use super::{RefinedFans, Surface};
 use crate::control::{Fans, Kind};
-use crate::dice::face::{FacePatch, Sides};
+use crate::dice::face::{FacePatch, Part, Sides};
 use crate::dice::table::TablePatch;
 use crate::dice::triangle::TrianglePatch;
 use crate::dice::{DiceFault, Target};
@@ -126,6 +126,13 @@ pub(crate) struct QuadPatch {
 }
 
 impl QuadPatch {
+    /// A patch that uses these vector instructions.
+    pub(crate) fn for_level(simd: Level) -> Self {
+        let mut patch = Self::default();
+        patch.set_simd(simd);
+        patch
+    }
+
     /// Chooses the vector instructions; never changes a bit.
     pub(crate) fn set_simd(&mut self, simd: Level) {
         self.points.set_simd(simd);
@@ -223,16 +230,20 @@ impl QuadPatch {
     }
 
     pub(crate) fn dice_uvs(&self, bu: u32, bv: u32, out: &mut Grid3) {
-        let Some(c) = self.linear else {
-            self.uvs.dice(bu, bv, out, None);
-            return;
-        };
-        let size = FacePatch::block_size(self.level);
-        let scale = 1.0 / (1_u32 << self.level) as f32;
-        for j in 0..size.rows {
-            let t = (bv as usize * (size.rows - 1) + j) as f32 * scale;
-            for i in 0..size.cols {
-                let s = (bu as usize * (size.cols - 1) + i) as f32 * scale;
+        match self.linear {
+            Some(_) => self.linear_uvs(Part::block(self.level, [bu, bv]), out),
+            None => self.uvs.dice(bu, bv, out, None),
+        }
+    }
+
+    fn linear_uvs(&self, part: Part, out: &mut Grid3) {
+        let Some(c) = self.linear else { return };
+        let side = part.segments as usize + 1;
+        let scale = 1.0 / (1_u32 << part.level) as f32;
+        for j in 0..side {
+            let t = (part.start[1] as usize + j) as f32 * scale;
+            for i in 0..side {
+                let s = (part.start[0] as usize + i) as f32 * scale;
                 let at = |k: usize| {
                     if self.triangle {
                         // Above the diagonal, everything is folded onto it.
@@ -245,6 +256,34 @@ impl QuadPatch {
                 out.set(i, j, [at(0), at(1), 0.0]);
             }
         }
+    }
+
+    /// Dices a part of a quad, of the level that was prepared or a coarser one.
+    pub(crate) fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        self.points.quad.dice_part(part, points, normals);
+    }
+
+    /// Texture coordinates of a part.
+    pub(crate) fn dice_part_uvs(&self, part: Part, out: &mut Grid3) {
+        match self.linear {
+            Some(_) => self.linear_uvs(part, out),
+            None => self.uvs.quad.dice_part(part, out, None),
+        }
+    }
+
+    /// Colours of a part.
+    pub(crate) fn dice_part_colors(&self, part: Part, out: &mut Grid3) {
+        self.colors.quad.dice_part(part, out, None);
+    }
+
+    /// Samples of side `c` of a quad, at the level that was prepared.
+    pub(crate) fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
+        self.points.quad.side(c, points, normals);
+    }
+
+    /// Points whose convex hull holds a part.
+    pub(crate) fn part_hull(&self, part: Part, out: impl FnMut([f32; 3])) {
+        self.points.quad.part_hull(part, out);
     }
 
     pub(crate) fn hull(&self, out: impl FnMut([f32; 3])) {

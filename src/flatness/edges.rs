@@ -1,0 +1,146 @@
+//! Which segments of each cage edge are split: from the edge's own samples, at its first face, once.
+//!
+//! A chord is held against samples a quarter of it apart (a half, at the last levels). Those of a cubic curve tell its distance exactly
+//! but for the place of its extremes; c-shaped and s-shaped curves are seen alike.
+
+use super::screen::{Excess, Metric};
+use super::tree::{Forest, Splits};
+use crate::dice::MAX_LEVEL;
+use crate::dice::face::Sides;
+use crate::limits::{LimitError, Limits};
+use crate::math;
+use crate::simd::Level;
+use crate::surface::{QuadPatch, Surface};
+use rayon::prelude::*;
+
+/// Levels that edges are sampled at, one after the other while they last.
+const LEVELS: [u32; 3] = [4, 7, MAX_LEVEL];
+
+/// Faces that one thread looks at, at a time.
+pub(super) const CHUNK: usize = 256;
+
+/// Samples of an edge, in its own direction.
+#[derive(Default)]
+struct Line {
+    points: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+}
+
+/// Trees of all edges of the surface's quads, by number.
+pub(super) fn trees(
+    surface: &Surface,
+    metric: &Metric<'_>,
+    limits: &Limits,
+) -> Result<Forest, LimitError> {
+    let quads = surface.quads();
+    let faces = quads.face_count();
+    let parts: Vec<Vec<(u32, Splits)>> = (0..faces.div_ceil(CHUNK))
+        .into_par_iter()
+        .map_init(
+            || (QuadPatch::for_level(Level::detect()), Line::default()),
+            |(patch, line), k| {
+                limits.check()?;
+                let mut out = Vec::new();
+                for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
+                    face(surface, metric, patch, line, q as u32, &mut out);
+                }
+                Ok(out)
+            },
+        )
+        .collect::<Result<_, LimitError>>()?;
+    let mut forest = Forest::new(quads.edge_count());
+    for (edge, mut splits) in parts.into_iter().flatten() {
+        let (depth, words) = splits.words();
+        forest.set(edge, depth, words);
+    }
+    Ok(forest)
+}
+
+/// Trees of the edges that quad `q` is the first face of, those without splits left out.
+fn face(
+    surface: &Surface,
+    metric: &Metric<'_>,
+    patch: &mut QuadPatch,
+    line: &mut Line,
+    q: u32,
+    out: &mut Vec<(u32, Splits)>,
+) {
+    let quads = surface.quads();
+    let own = [0, 1, 2, 3].map(|c| {
+        let h = 4 * q + c;
+        quads.edge_half(quads.edge(h)) == h
+    });
+    let mut open = own;
+    let mut splits = [const { None::<Splits> }; 4];
+    for level in LEVELS {
+        if open == [false; 4] {
+            break;
+        }
+        patch.prepare_points(surface, q, level, None, Sides::Normals);
+        for c in 0..4 {
+            if open[c] {
+                patch.side(c, &mut line.points, &mut line.normals);
+                let mut found = Splits::default();
+                open[c] = line.split(metric, level, &mut found);
+                splits[c] = Some(found);
+            }
+        }
+    }
+    for (c, splits) in splits.into_iter().enumerate() {
+        if let Some(splits) = splits.filter(|s| s.depth > 0) {
+            out.push((quads.edge(4 * q + c as u32), splits));
+        }
+    }
+}
+
+impl Line {
+    /// Splits what has to be, of an edge sampled at `level`; says whether more samples would show more.
+    fn split(&self, metric: &Metric<'_>, level: u32, splits: &mut Splits) -> bool {
+        splits.clear();
+        let mut more = false;
+        // Nodes that may be split, depth by depth.
+        let mut nodes = vec![1_usize];
+        for depth in 0..metric.max_level {
+            let step = 1_usize << (level - depth);
+            // Half a segment's samples tell enough only where there are no others to come.
+            if step < 4 && level < MAX_LEVEL {
+                more = !nodes.is_empty();
+                break;
+            }
+            if step < 2 {
+                break;
+            }
+            let mut next = Vec::new();
+            for node in nodes {
+                let from = (node - (1 << depth)) * step;
+                if self.excess(metric, from, step) > 1.0 {
+                    splits.split(node);
+                    next.extend([2 * node, 2 * node + 1]);
+                }
+            }
+            nodes = next;
+        }
+        more
+    }
+
+    /// How far the curve and its normals are from the chord of `step` samples from `from` on.
+    fn excess(&self, metric: &Metric<'_>, from: usize, step: usize) -> Excess {
+        let (a, b) = (self.points[from], self.points[from + step]);
+        let (na, nb) = (self.normals[from], self.normals[from + step]);
+        let middle = self.points[from + step / 2];
+        let bent = !metric.is_dot(&[a, b, middle]);
+        let quarter = (step / 4).max(1);
+        let mut worst = 0.0_f32;
+        for k in (quarter..step).step_by(quarter) {
+            let t = k as f32 / step as f32;
+            let mix =
+                |a: [f32; 3], b: [f32; 3]| math::add(math::scale(a, 1.0 - t), math::scale(b, t));
+            let at = from + k;
+            worst = worst.max(metric.point(self.points[at], mix(a, b)));
+            if bent {
+                worst = worst.max(metric.normal(self.normals[at], mix(na, nb)));
+            }
+        }
+        worst
+    }
+}

@@ -1,0 +1,266 @@
+//! Blocks of every face: from samples of its inside, as far as they are needed.
+
+use super::cells::Samples;
+use super::edges::CHUNK;
+use super::quadtree::{MAX_LOG, Node, Quadtree, Side};
+use super::screen::Metric;
+use super::tree::Forest;
+use super::{Leaf, Move, Tessellation};
+use crate::dice::MAX_LEVEL;
+use crate::dice::face::{Part, Sides};
+use crate::limits::{LimitError, Limits};
+use crate::records::Grid3;
+use crate::simd::Level;
+use crate::surface::{QuadPatch, Surface};
+use rayon::prelude::*;
+
+/// What a block costs beside its micro-quads, in micro-quads.
+const OVERHEAD: u32 = 8;
+
+/// Depth below a sampled square at which its parts are sampled on their own.
+const RESAMPLED: u32 = 3;
+
+/// Need of a square whose samples do not tell.
+const DEEPER: u32 = MAX_LOG + 1;
+
+/// The blocks of all faces for which `is_drawn`; it gets the quad and points whose hull holds it.
+pub(super) fn tessellate(
+    surface: &Surface,
+    metric: &Metric<'_>,
+    trees: &Forest,
+    limits: &Limits,
+    is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
+) -> Result<Tessellation, LimitError> {
+    let faces = surface.quads().face_count();
+    let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
+        .into_par_iter()
+        .map_init(
+            || Worker::new(surface, metric),
+            |worker, k| {
+                limits.check()?;
+                let mut out = Tessellation::default();
+                for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
+                    worker.face(trees, q as u32, &is_drawn, &mut out);
+                }
+                limits.memory("the blocks of the tessellation", out.bytes() as u128)?;
+                Ok(out)
+            },
+        )
+        .collect::<Result<_, LimitError>>()?;
+    let bytes: usize = parts.iter().map(Tessellation::bytes).sum();
+    limits.memory("the blocks of the tessellation", 2 * bytes as u128)?;
+    let mut out = Tessellation::default();
+    for part in &parts {
+        out.append(part);
+    }
+    Ok(out)
+}
+
+/// Buffers of one thread.
+struct Worker<'a> {
+    surface: &'a Surface,
+    metric: &'a Metric<'a>,
+    patch: QuadPatch,
+    /// Level that the face is prepared for.
+    prepared: u32,
+    points: Box<Grid3>,
+    normals: Box<Grid3>,
+    tree: Quadtree,
+    hull: Vec<[f32; 3]>,
+}
+
+/// Levels below a sampled square that its parts need, depth by depth.
+#[derive(Default)]
+struct Needs(Vec<u8>);
+
+impl Needs {
+    fn index(depth: u32, x: u32, y: u32) -> usize {
+        ((4_usize.pow(depth) - 1) / 3) + ((y as usize) << depth) + x as usize
+    }
+    fn get(&self, depth: u32, x: u32, y: u32) -> u32 {
+        u32::from(self.0[Self::index(depth, x, y)])
+    }
+
+    /// Finds what a square of the samples needs; `cap` is what it may have.
+    fn find(
+        &mut self,
+        s: &Samples<'_>,
+        metric: &Metric<'_>,
+        cap: u32,
+        [depth, x, y]: [u32; 3],
+    ) -> u32 {
+        let need = if depth >= cap || s.excess(metric, depth, x, y) <= 1.0 {
+            depth
+        } else if depth >= s.log {
+            DEEPER
+        } else {
+            let mut need = 0;
+            for k in 0..4 {
+                need = need.max(self.find(
+                    s,
+                    metric,
+                    cap,
+                    [depth + 1, 2 * x + (k & 1), 2 * y + (k >> 1)],
+                ));
+            }
+            need
+        };
+        let at = Self::index(depth, x, y);
+        if self.0.len() <= at {
+            self.0.resize(at + 1, 0);
+        }
+        self.0[at] = need as u8;
+        need
+    }
+
+    /// Micro-quads of the cheapest way to cut a square into blocks.
+    fn cost(&self, depth: u32, x: u32, y: u32) -> u32 {
+        let need = self.get(depth, x, y);
+        let whole = (1 << (2 * (need - depth))) + OVERHEAD;
+        if need < depth + 2 || depth >= RESAMPLED {
+            return whole;
+        }
+        let parts = (0..4).map(|k| self.cost(depth + 1, 2 * x + (k & 1), 2 * y + (k >> 1)));
+        whole.min(parts.sum())
+    }
+}
+
+impl<'a> Worker<'a> {
+    fn new(surface: &'a Surface, metric: &'a Metric<'a>) -> Self {
+        Self {
+            surface,
+            metric,
+            patch: QuadPatch::for_level(Level::detect()),
+            prepared: 0,
+            points: Grid3::boxed(),
+            normals: Grid3::boxed(),
+            tree: Quadtree::new(),
+            hull: Vec::new(),
+        }
+    }
+
+    fn face(
+        &mut self,
+        trees: &Forest,
+        q: u32,
+        is_drawn: &impl Fn(u32, &mut Vec<[f32; 3]>) -> bool,
+        out: &mut Tessellation,
+    ) {
+        self.hull.clear();
+        self.patch
+            .prepare_points(self.surface, q, MAX_LEVEL, None, Sides::Hull);
+        self.patch.hull(|p| self.hull.push(p));
+        if !is_drawn(q, &mut self.hull) {
+            return;
+        }
+        self.tree.clear();
+        self.prepared = 0;
+        self.grow(q, 0, 2);
+        let quads = self.surface.quads();
+        let sides = [0, 1, 2, 3].map(|c| {
+            let h = 4 * q + c;
+            let edge = quads.edge(h);
+            let first = quads.edge_half(edge);
+            Side {
+                tree: trees.get(edge),
+                reversed: quads.vertex(first) != quads.vertex(h),
+            }
+        });
+        self.tree.balance(&sides);
+        let edges = sides.iter().map(|s| s.tree.depth()).max().unwrap_or(0);
+        let reach = self.tree.deepest().max(edges);
+        let moves = &mut out.moves;
+        for node in self.tree.nodes.iter().filter(|n| n.is_leaf()) {
+            rim(&self.tree, node, &sides, reach, moves);
+            let log = node.level - node.depth;
+            out.leaves.push(Leaf {
+                quad: q,
+                reach: reach as u8,
+                level: node.level as u8,
+                log: log as u8,
+                start: node.place.map(|k| (k << log) as u16),
+                moves_end: moves.len() as u32,
+            });
+        }
+    }
+
+    /// Samples leaf `node` by `2^log` segments and cuts it up as far as it needs.
+    fn grow(&mut self, q: u32, node: usize, log: u32) {
+        let Node { depth, place, .. } = self.tree.nodes[node];
+        let log = log.min(MAX_LEVEL - depth);
+        let level = depth + log;
+        if self.prepared < level {
+            self.patch
+                .prepare_points(self.surface, q, level, None, Sides::Normals);
+            self.prepared = level;
+        }
+        let part = Part {
+            level,
+            start: place.map(|k| k << log),
+            segments: 1 << log,
+        };
+        self.patch
+            .dice_part(part, &mut self.points, Some(&mut self.normals));
+        let samples = Samples {
+            points: &self.points,
+            normals: &self.normals,
+            log,
+        };
+        let cap = self.metric.max_level.saturating_sub(depth);
+        let mut needs = Needs::default();
+        let need = needs.find(&samples, self.metric, cap, [0, 0, 0]);
+        // A few samples tell enough of what needs next to nothing.
+        if log < MAX_LOG && need + 1 > log && depth + log < MAX_LEVEL {
+            return self.grow(q, node, MAX_LOG);
+        }
+        self.cut(q, node, &needs, [0, 0, 0]);
+    }
+
+    fn cut(&mut self, q: u32, node: usize, needs: &Needs, [depth, x, y]: [u32; 3]) {
+        let need = needs.get(depth, x, y);
+        let whole = (1 << (2 * (need - depth))) + OVERHEAD;
+        if need < DEEPER && needs.cost(depth, x, y) >= whole {
+            let own = self.tree.nodes[node].depth;
+            self.tree.nodes[node].level = own + (need - depth);
+            return;
+        }
+        if depth >= RESAMPLED {
+            return self.grow(q, node, MAX_LOG);
+        }
+        let first = self.tree.split(node);
+        for k in 0..4 {
+            let child = [depth + 1, 2 * x + (k & 1), 2 * y + (k >> 1)];
+            self.cut(q, first + k as usize, needs, child);
+        }
+    }
+}
+
+/// The moves of a leaf's rim.
+fn rim(tree: &Quadtree, leaf: &Node, sides: &[Side<'_>; 4], reach: u32, out: &mut Vec<Move>) {
+    let log = leaf.level - leaf.depth;
+    let n = 1_u32 << log;
+    let start = leaf.place.map(|k| k << log);
+    let up = reach - leaf.level;
+    for c in 0..4 {
+        for k in 0..n {
+            let [i, j] = match c {
+                0 => [k, 0],
+                1 => [n, k],
+                2 => [n - k, n],
+                _ => [0, n - k],
+            };
+            let at = [start[0] + i, start[1] + j];
+            // The corner at the start of a side may be moved along the side before it as well.
+            let mut to = tree.drawn(leaf, sides, c, at);
+            if k == 0 && to == at {
+                to = tree.drawn(leaf, sides, (c + 3) % 4, at);
+            }
+            if to != at {
+                out.push(Move {
+                    at: [i as u8, j as u8],
+                    to: to.map(|k| (k << up) as u16),
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! The quadtree of a face: squares, the level of each, and which points they have where they meet.
+//!
+//! Squares at a line inside of the face show the points of the coarser of the two. So that what moves stays within its square and triangles
+//! beside the line are not drawn out, levels of neighbours differ by one at most, and the corners of a square are points of its neighbours
+//! ([`Quadtree::balance`]). Along sides of the face the points are those of the edge's tree, however few.
+
+use super::tree::Tree;
+use crate::dice::MAX_LEVEL;
+
+/// Micro-quads along the side of a leaf, as a power of two.
+pub(super) const MAX_LOG: u32 = 5;
+
+/// Length of the face's side in the units of boxes.
+const FULL: u32 = 1 << MAX_LEVEL;
+
+/// A square of a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub(super) depth: u32,
+    /// Column and row among the `2^depth` by `2^depth` squares.
+    pub(super) place: [u32; 2],
+    /// Level of its micro-quads, if it is a leaf.
+    pub(super) level: u32,
+    /// First of four children, 0 for a leaf.
+    children: u32,
+}
+
+/// Sides of a face: trees of the edges, and whether the edge runs against the side.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Side<'a> {
+    pub(super) tree: Tree<'a>,
+    pub(super) reversed: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Quadtree {
+    pub(super) nodes: Vec<Node>,
+}
+
+impl Node {
+    pub(super) fn is_leaf(&self) -> bool {
+        self.children == 0
+    }
+    /// Its box: low and high corner.
+    fn bounds(&self) -> [[u32; 2]; 2] {
+        let size = FULL >> self.depth;
+        let low = self.place.map(|k| k * size);
+        [low, low.map(|k| k + size)]
+    }
+    /// Number of the segment along side `c` of the face among the `2^depth` of it, if the square lies there.
+    fn segment(&self, c: usize) -> Option<u32> {
+        let last = (1 << self.depth) - 1;
+        let [x, y] = self.place;
+        match c {
+            0 => (y == 0).then_some(x),
+            1 => (x == last).then_some(y),
+            2 => (y == last).then(|| last - x),
+            _ => (x == 0).then(|| last - y),
+        }
+    }
+}
+
+impl Side<'_> {
+    fn deepest(&self, depth: u32, segment: u32) -> u32 {
+        let last = (1 << depth) - 1;
+        let place = if self.reversed {
+            last - segment
+        } else {
+            segment
+        };
+        self.tree.deepest(depth, place)
+    }
+    fn nearest(&self, level: u32, t: u32) -> u32 {
+        let n = 1 << level;
+        let turn = |t: u32| if self.reversed { n - t } else { t };
+        turn(self.tree.nearest(level, turn(t)))
+    }
+}
+
+impl Quadtree {
+    pub(super) fn clear(&mut self) {
+        self.nodes.clear();
+        self.nodes.push(Node {
+            depth: 0,
+            place: [0, 0],
+            level: 0,
+            children: 0,
+        });
+    }
+
+    pub(super) fn new() -> Self {
+        let mut new = Self { nodes: Vec::new() };
+        new.clear();
+        new
+    }
+
+    /// Splits a leaf; children are of its level.
+    pub(super) fn split(&mut self, node: usize) -> usize {
+        let parent = self.nodes[node];
+        let first = self.nodes.len();
+        for k in 0..4 {
+            let [x, y] = parent.place;
+            let depth = parent.depth + 1;
+            self.nodes.push(Node {
+                depth,
+                place: [2 * x + (k & 1), 2 * y + (k >> 1)],
+                level: parent.level.max(depth),
+                children: 0,
+            });
+        }
+        self.nodes[node].children = first as u32;
+        first
+    }
+
+    /// Calls `each` for the leaves that share area with a box.
+    fn overlapping(&self, node: usize, [low, high]: [[u32; 2]; 2], each: &mut impl FnMut(&Node)) {
+        let n = &self.nodes[node];
+        let [from, to] = n.bounds();
+        if (0..2).any(|k| to[k] <= low[k] || from[k] >= high[k]) {
+            return;
+        }
+        if n.is_leaf() {
+            return each(n);
+        }
+        for k in 0..4 {
+            self.overlapping(n.children as usize + k, [low, high], each);
+        }
+    }
+
+    /// The box of unit thickness beyond side `c` of a node; `None` outside of the face.
+    fn beyond(node: &Node, c: usize) -> Option<[[u32; 2]; 2]> {
+        let [low, high] = node.bounds();
+        let axis = usize::from(c % 2 == 0);
+        let (mut from, mut to) = (low, high);
+        if c == 1 || c == 2 {
+            (from[axis], to[axis]) = (high[axis], high[axis] + 1);
+            (high[axis] < FULL).then_some([from, to])
+        } else {
+            if low[axis] == 0 {
+                return None;
+            }
+            (from[axis], to[axis]) = (low[axis] - 1, low[axis]);
+            Some([from, to])
+        }
+    }
+
+    /// Raises levels and splits leaves until every leaf has the points of the edges at its sides, levels of neighbours differ by one at most,
+    /// and corners of neighbours are among a leaf's points.
+    pub(super) fn balance(&mut self, sides: &[Side<'_>; 4]) {
+        let mut changed = true;
+        while changed {
+            changed = false;
+            let mut i = 0;
+            while i < self.nodes.len() {
+                let node = self.nodes[i];
+                if node.is_leaf() {
+                    let level = self.wanted(&node, sides);
+                    if level > node.depth + MAX_LOG {
+                        self.split(i);
+                        changed = true;
+                    } else if level > node.level {
+                        self.nodes[i].level = level;
+                        changed = true;
+                    }
+                }
+                i += 1;
+            }
+        }
+    }
+
+    fn wanted(&self, node: &Node, sides: &[Side<'_>; 4]) -> u32 {
+        let mut level = node.level;
+        for (c, side) in sides.iter().enumerate() {
+            if let Some(segment) = node.segment(c) {
+                level = level.max(side.deepest(node.depth, segment));
+            } else if let Some(beyond) = Self::beyond(node, c) {
+                self.overlapping(0, beyond, &mut |other| {
+                    level = level.max(other.depth).max(other.level.saturating_sub(1));
+                });
+            }
+        }
+        level
+    }
+
+    /// Level of the deepest leaf.
+    pub(super) fn deepest(&self) -> u32 {
+        let leaves = self.nodes.iter().filter(|n| n.is_leaf());
+        leaves.map(|n| n.level).max().unwrap_or(0)
+    }
+
+    /// Where the point (`x`, `y`) of a leaf's grid of its level is drawn: itself, or the nearest that both sides of its line have. The point
+    /// lies on side `c` of the leaf.
+    pub(super) fn drawn(
+        &self,
+        leaf: &Node,
+        sides: &[Side<'_>; 4],
+        c: usize,
+        at: [u32; 2],
+    ) -> [u32; 2] {
+        let n = 1_u32 << leaf.level;
+        if leaf.segment(c).is_some() {
+            return on_side(sides, c, leaf.level, at);
+        }
+        // Along a line inside of the face. Ends of the leaf's side are points of both.
+        let along = usize::from(c % 2 == 1);
+        let size = 1 << (leaf.level - leaf.depth);
+        let mut at = at;
+        if at[along] % size != 0 {
+            let unit = FULL >> leaf.level;
+            if let Some([mut low, mut high]) = Self::beyond(leaf, c) {
+                // What lies beyond the point, on both sides of it.
+                (low[along], high[along]) = (at[along] * unit - 1, at[along] * unit + 1);
+                let mut level = leaf.level;
+                let mut corner = false;
+                self.overlapping(0, [low, high], &mut |other| {
+                    level = level.min(other.level);
+                    let [from, to] = other.bounds();
+                    corner |= [from, to].iter().any(|b| b[along] == at[along] * unit);
+                });
+                let step = 1 << (leaf.level - level);
+                if !corner && at[along] % step != 0 {
+                    at[along] = (at[along] + (step - 1) / 2) / step * step;
+                }
+            }
+        }
+        // It may have come to a side of the face.
+        for (side, on) in [at[1] == 0, at[0] == n, at[1] == n, at[0] == 0]
+            .into_iter()
+            .enumerate()
+        {
+            if on {
+                return on_side(sides, side, leaf.level, at);
+            }
+        }
+        at
+    }
+}
+
+/// Where a point on side `c` of the face is drawn.
+fn on_side(sides: &[Side<'_>; 4], c: usize, level: u32, [x, y]: [u32; 2]) -> [u32; 2] {
+    let n = 1_u32 << level;
+    let nearest = |t: u32| sides[c].nearest(level, t);
+    match c {
+        0 => [nearest(x), 0],
+        1 => [n, nearest(y)],
+        2 => [n - nearest(n - x), n],
+        _ => [0, n - nearest(n - y)],
+    }
+}

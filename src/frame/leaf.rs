@@ -1,0 +1,166 @@
+//! Blocks of an adaptive tessellation: a part of a quad, with the points of its rim that are drawn elsewhere.
+
+use super::source::{Attributes, SourceScratch};
+use crate::dice::face::{Part, Sides};
+use crate::flatness::{Leaf, Move, Tessellation};
+use crate::records::{BlockSize, Grid3};
+use crate::surface::Surface;
+
+/// Grids of single points.
+pub(super) struct Spare {
+    first: Box<Grid3>,
+    second: Box<Grid3>,
+}
+
+impl Default for Spare {
+    fn default() -> Self {
+        Self {
+            first: Grid3::boxed(),
+            second: Grid3::boxed(),
+        }
+    }
+}
+
+fn part(leaf: &Leaf) -> Part {
+    Part {
+        level: u32::from(leaf.level),
+        start: leaf.start.map(u32::from),
+        segments: 1 << leaf.log,
+    }
+}
+
+/// The one point that a moved one goes to.
+fn target(leaf: &Leaf, to: Move) -> Part {
+    Part {
+        level: u32::from(leaf.reach),
+        start: to.to.map(u32::from),
+        segments: 0,
+    }
+}
+
+/// Where in the block the target of a move is, if it is there.
+fn inside(leaf: &Leaf, to: Move) -> Option<[usize; 2]> {
+    let up = u32::from(leaf.reach - leaf.level);
+    let mut at = [0; 2];
+    for k in 0..2 {
+        let (to, start) = (u32::from(to.to[k]), u32::from(leaf.start[k]));
+        let step = (to >> up).checked_sub(start)?;
+        if to & ((1 << up) - 1) != 0 || step > 1 << leaf.log {
+            return None;
+        }
+        at[k] = step as usize;
+    }
+    Some(at)
+}
+
+/// Moves points of the grid, and of a second one beside it; `dice` evaluates a single point.
+fn apply(
+    leaf: &Leaf,
+    moves: &[Move],
+    grid: &mut Grid3,
+    mut other: Option<&mut Grid3>,
+    spare: &mut Spare,
+    dice: impl Fn(Part, &mut Grid3, Option<&mut Grid3>),
+) {
+    let mut last = None;
+    for &to in moves {
+        let [i, j] = to.at.map(usize::from);
+        let (p, q) = match inside(leaf, to) {
+            Some([a, b]) => (grid.get(a, b), other.as_deref().map(|o| o.get(a, b))),
+            None => {
+                if last != Some(to.to) {
+                    let wanted = other.is_some().then_some(&mut *spare.second);
+                    dice(target(leaf, to), &mut spare.first, wanted);
+                    last = Some(to.to);
+                }
+                (spare.first.get(0, 0), Some(spare.second.get(0, 0)))
+            }
+        };
+        grid.set(i, j, p);
+        if let (Some(other), Some(q)) = (other.as_deref_mut(), q) {
+            other.set(i, j, q);
+        }
+    }
+}
+
+pub(super) fn block_size(leaf: &Leaf) -> BlockSize {
+    let n = (1_usize << leaf.log) + 1;
+    BlockSize { cols: n, rows: n }
+}
+
+/// Micro-triangles with an area. A point that moves takes the edge behind it away.
+pub(super) fn triangles(tessellation: &Tessellation) -> u64 {
+    let all = tessellation.leaves.iter().map(|l| 2 << (2 * l.log));
+    all.sum::<u64>() - tessellation.move_count() as u64
+}
+
+/// Points whose convex hull holds a leaf.
+pub(super) fn hull(
+    surface: &Surface,
+    tessellation: &Tessellation,
+    item: u32,
+    scratch: &mut SourceScratch,
+    out: &mut Vec<[f32; 3]>,
+) {
+    let leaf = &tessellation.leaves[item as usize];
+    scratch.prepare(surface, leaf.quad, u32::from(leaf.reach), Sides::None);
+    scratch.patch.part_hull(part(leaf), |p| out.push(p));
+    let mut last = None;
+    for &to in tessellation.moves(item as usize) {
+        if inside(leaf, to).is_none() && last != Some(to.to) {
+            let spare = &mut scratch.spare;
+            scratch
+                .patch
+                .dice_part(target(leaf, to), &mut spare.first, None);
+            out.push(spare.first.get(0, 0));
+            last = Some(to.to);
+        }
+    }
+}
+
+/// Dices a leaf: points, and what shading needs where asked for.
+pub(super) fn dice(
+    surface: &Surface,
+    tessellation: &Tessellation,
+    item: u32,
+    scratch: &mut SourceScratch,
+    points: &mut Grid3,
+    attributes: Option<&mut Attributes>,
+) {
+    let leaf = &tessellation.leaves[item as usize];
+    let moves = tessellation.moves(item as usize);
+    let (part, reach) = (part(leaf), u32::from(leaf.reach));
+    let Some(a) = attributes else {
+        scratch.prepare(surface, leaf.quad, reach, Sides::Points);
+        let SourceScratch { patch, spare, .. } = scratch;
+        patch.dice_part(part, points, None);
+        apply(leaf, moves, points, None, spare, |part, p, n| {
+            patch.dice_part(part, p, n);
+        });
+        return;
+    };
+    scratch.prepare(surface, leaf.quad, reach, Sides::Normals);
+    let SourceScratch { patch, spare, .. } = scratch;
+    patch.dice_part(part, points, Some(&mut a.normals));
+    let normals = Some(&mut *a.normals);
+    apply(leaf, moves, points, normals, spare, |part, p, n| {
+        patch.dice_part(part, p, n);
+    });
+    if a.wants_uvs && !patch.has_uvs() {
+        patch.prepare_uvs(surface, leaf.quad);
+    }
+    a.has_uvs = a.wants_uvs && patch.has_uvs();
+    if a.has_uvs {
+        patch.dice_part_uvs(part, &mut a.uvs);
+        apply(leaf, moves, &mut a.uvs, None, spare, |part, p, _| {
+            patch.dice_part_uvs(part, p);
+        });
+    }
+    a.has_colors = patch.prepare_colors(surface, leaf.quad);
+    if a.has_colors {
+        patch.dice_part_colors(part, &mut a.colors);
+        apply(leaf, moves, &mut a.colors, None, spare, |part, p, _| {
+            patch.dice_part_colors(part, p);
+        });
+    }
+}
