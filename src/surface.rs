@@ -4,7 +4,7 @@ mod diced;
 mod mesh;
 mod patch;
 
-use crate::control::tables::{Plans, TableTree};
+use crate::control::tables::{Plans, TableTree, Walk};
 use crate::control::{ControlTree, Fans, Kind, TreeChannel};
 use crate::dice::control::Descend;
 use crate::dice::face::{Channel, FacePatch};
@@ -299,6 +299,11 @@ impl Surface {
         let halves = t.face_halves(q);
         let corner = |c: u32| points[t.vertex((halves.start + c).min(halves.end - 1)) as usize];
         Some([corner(0), corner(1), corner(2), corner(3)])
+    }
+
+    /// A walk to single points of an interpolating surface, or to texture coordinates.
+    pub(crate) fn walk(&self, kind: Kind) -> Option<Walk<'_>> {
+        self.tables.as_ref()?.walk(kind)
     }
 
     /// The control levels below a channel.

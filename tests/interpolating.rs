@@ -9,6 +9,11 @@ mod coverage;
 mod edges;
 #[path = "common/oracle.rs"]
 mod oracle;
+#[path = "support/mod.rs"]
+mod support;
+
+#[path = "interpolating/evaluate.rs"]
+mod evaluate;
 
 use common::{assets, load};
 use earmark::dice::DiceFault;
@@ -356,13 +361,5 @@ fn blocks_share_their_border() {
                 }
             }
         });
-    }
-}
-
-#[test]
-fn evaluation_elsewhere_is_refused() {
-    for scheme in [Scheme::Kobbelt, Scheme::Butterfly] {
-        let surface = asset("cube.obj", scheme);
-        assert!(surface.evaluate(0, 0.3, 0.2).is_none(), "{scheme:?}");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::locate::{Local, Source, child, is_unit};
 use super::sample::sealed::{Asked, Kind as _};
+use super::table::TableFace;
 use super::{EvaluateError, Evaluated, Sample};
 use crate::control::Kind;
 use crate::dice::evaluate::QuadEvaluator;
@@ -34,6 +35,8 @@ pub struct FaceEvaluator<'a> {
     /// Further quads of a face that is split, and patches of deeper control levels, by depth and number.
     others: BTreeMap<(u32, u32), Box<QuadEvaluator>>,
     uv: Option<Box<Uvs<'a>>>,
+    /// Of an interpolating surface, in place of all else.
+    table: Option<Box<TableFace<'a>>>,
 }
 
 /// Texture coordinates of a face.
@@ -73,6 +76,9 @@ impl FaceEvaluator<'_> {
 
     #[inline(never)]
     fn elsewhere<S: Evaluated>(&mut self, u: f32, v: f32) -> Option<S> {
+        if let Some(table) = &mut self.table {
+            return table.at(u, v);
+        }
         let local = self.surface.locate(self.face, u, v)?;
         Some(self.local(local))
     }
@@ -94,9 +100,13 @@ impl FaceEvaluator<'_> {
         })
     }
 
-    /// Samples of a grid of `n` segments along each side: (n + 1)², or as many for each quad of a polygon of other than 4 corners.
+    /// Samples of a grid of `n` segments along each side: (n + 1)², or as many for each quad of a polygon of other than 4 corners, or
+    /// (n + 1) (n + 2) / 2 on a triangle of Modified Butterfly.
     #[must_use]
     pub fn grid_len(&self, n: u32) -> usize {
+        if let Some(table) = &self.table {
+            return table.grid_len(n);
+        }
         let side = n as usize + 1;
         side * side * self.quads_of_grid()
     }
@@ -109,11 +119,15 @@ impl FaceEvaluator<'_> {
     }
 
     /// Evaluates the grid u, v = 0, 1/n, … 1, row by row: u first, then the next v. A polygon of other than 4 corners has one grid per
-    /// corner, one after the other.
+    /// corner, one after the other; on a triangle of Modified Butterfly rows end where u + v is 1.
     ///
     /// # Errors
-    /// [`EvaluateError::WrongCount`] unless `n` is above 0 and `out` has [`FaceEvaluator::grid_len`] places.
+    /// [`EvaluateError::WrongCount`] unless `n` is above 0 and `out` has [`FaceEvaluator::grid_len`] places; on interpolating surfaces
+    /// [`EvaluateError::NotDyadic`] unless `n` is a power of two up to 1024.
     pub fn grid<S: Evaluated>(&mut self, n: u32, out: &mut [S]) -> Result<(), EvaluateError> {
+        if let Some(table) = &mut self.table {
+            return table.grid(n, out);
+        }
         let wanted = self.grid_len(n);
         if out.len() != wanted || n == 0 {
             return Err(EvaluateError::WrongCount {
@@ -153,8 +167,11 @@ impl FaceEvaluator<'_> {
         Ok(())
     }
 
-    /// Texture coordinates at (`u`, `v`). `None` when the surface has none, or (`u`, `v`) is not on the face.
+    /// Texture coordinates at (`u`, `v`). `None` when the surface has none, or (`u`, `v`) is no place that [`Surface::evaluate`] finds.
     pub fn uv(&mut self, u: f32, v: f32) -> Option<[f32; 2]> {
+        if let Some(table) = &mut self.table {
+            return table.uv(u, v);
+        }
         let local = self.surface.locate(self.face, u, v)?;
         let uvs = match &mut self.uv {
             Some(uvs) => uvs,
@@ -218,15 +235,22 @@ impl Surface {
         } else {
             face
         };
-        let source = Source::new(self, Kind::Points)?;
+        let table = TableFace::new(self, face).map(Box::new);
+        let source = match &table {
+            Some(_) => Source::bare(self),
+            None => Source::new(self, Kind::Points)?,
+        };
         let mut quad = QuadEvaluator::default();
-        quad.prepare(source.root, first);
+        if table.is_none() {
+            quad.prepare(source.root, first);
+        }
         Some(FaceEvaluator {
             surface: self,
             source,
             face,
             first,
-            whole: source.below.is_none() && !self.is_split(),
+            whole: source.below.is_none() && !self.is_split() && table.is_none(),
+            table,
             quad,
             others: BTreeMap::new(),
             uv: None,

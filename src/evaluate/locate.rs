@@ -5,7 +5,9 @@ use crate::dice::MAX_LEVEL;
 use crate::dice::control::Descend;
 use crate::dice::evaluate::{Jet, leaf};
 use crate::dice::face::Channel;
+use crate::dice::fan_points::FanPoints;
 use crate::surface::Surface;
+use std::sync::LazyLock;
 
 /// A place in a mesh of quads.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +36,21 @@ impl<'a> Source<'a> {
             root: surface.channel(kind, None)?,
             below: surface.below(kind, MAX_LEVEL, None),
         })
+    }
+
+    /// Stands in on interpolating surfaces, which have no patches.
+    pub(super) fn bare(surface: &'a Surface) -> Self {
+        static NO_FANS: LazyLock<FanPoints> = LazyLock::new(FanPoints::default);
+        Self {
+            root: Channel {
+                topology: surface.quads(),
+                points: surface.control_points(),
+                fans: &NO_FANS,
+                below: None,
+                linear: false,
+            },
+            below: None,
+        }
     }
 
     /// Calls `then` with the patch at a place of the quads.

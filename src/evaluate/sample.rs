@@ -64,6 +64,10 @@ pub(super) mod sealed {
 
     /// How a kind of sample is made.
     pub trait Kind: Sized {
+        /// Whether it holds derivatives.
+        const DERIVATIVES: bool = true;
+        /// What it holds of a sample.
+        fn of_sample(sample: super::Sample) -> Self;
         fn evaluate(asked: Asked<'_>) -> Self;
         /// The grid of `n` segments of the quad; the place of `asked` says which quad alone.
         fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]);
@@ -81,6 +85,10 @@ impl Asked<'_> {
 }
 
 impl sealed::Kind for [f32; 3] {
+    const DERIVATIVES: bool = false;
+    fn of_sample(sample: Sample) -> Self {
+        sample.position
+    }
     #[inline(always)]
     fn evaluate(asked: Asked<'_>) -> Self {
         match asked.tip {
@@ -96,6 +104,13 @@ impl sealed::Kind for [f32; 3] {
 }
 
 impl sealed::Kind for Tangents {
+    fn of_sample(sample: Sample) -> Self {
+        Self {
+            position: sample.position,
+            du: sample.du,
+            dv: sample.dv,
+        }
+    }
     #[inline(always)]
     fn evaluate(asked: Asked<'_>) -> Self {
         let tip = asked.tip;
@@ -113,6 +128,9 @@ impl sealed::Kind for Tangents {
 }
 
 impl sealed::Kind for Sample {
+    fn of_sample(sample: Sample) -> Self {
+        sample
+    }
     #[inline(always)]
     fn evaluate(asked: Asked<'_>) -> Self {
         let Asked {

@@ -92,8 +92,9 @@ pub fn child(step: &Step<'_>) -> Topology {
     let (mut face_offsets, mut corner_faces) = (Vec::new(), Vec::new());
     if triangles {
         let corners = 4 * halves as u32;
-        face_offsets = (0..=corners / 3).into_par_iter().map(|f| 3 * f).collect();
-        corner_faces = (0..corners).into_par_iter().map(|h| h / 3).collect();
+        let each = |count: u32| (0..count).into_par_iter().with_min_len(RUN);
+        face_offsets = each(corners / 3 + 1).map(|f| 3 * f).collect();
+        corner_faces = each(corners).map(|h| h / 3).collect();
     }
     Topology {
         vertex_count,

@@ -98,6 +98,11 @@ impl<'a, T: Real, R: Real, const N: usize> Sheets<'a, T, R, N> {
         }
     }
 
+    /// The mesh.
+    pub(crate) fn topology(&self) -> &'a Topology {
+        self.step.topology
+    }
+
     /// The value at corner `h`.
     #[inline]
     pub(crate) fn at(&self, h: u32) -> [R; N] {
@@ -125,8 +130,22 @@ impl<'a, T: Real, R: Real, const N: usize> Sheets<'a, T, R, N> {
         std::iter::successors(Some(h), turn)
     }
 
+    /// The half-edge at the vertex of `h` with which its sector begins: `h` itself where the sector is closed.
+    pub(crate) fn start(&self, h: u32) -> u32 {
+        let t = self.step.topology;
+        let back = |&x: &u32| Some(self.twin(x)).filter(|&g| g != NONE).map(|g| t.next(g));
+        let mut at = h;
+        while let Some(before) = back(&at) {
+            if before == h {
+                return h;
+            }
+            at = before;
+        }
+        at
+    }
+
     /// Number of faces around the vertex of `h` if they close.
-    fn closed(&self, h: u32) -> Option<u32> {
+    pub(crate) fn closed(&self, h: u32) -> Option<u32> {
         let t = self.step.topology;
         let (count, last) = self.around(h).fold((0, h), |(n, _), x| (n + 1, x));
         (self.twin(t.prev(last)) == h).then_some(count)
@@ -227,21 +246,13 @@ impl<'a, T: Real, R: Real, const N: usize> Sheets<'a, T, R, N> {
 
     fn eight_points(&self, h: u32, twin: u32) -> [R; N] {
         let t = self.step.topology;
-        let mut ends = self.at(h);
-        add(&mut ends, &self.at(t.next(h)));
-        let mut opposite = self.at(t.prev(h));
-        add(&mut opposite, &self.at(t.prev(twin)));
-        let wings = |h: u32| {
-            let mut sum = self.wing(t.next(h));
-            add(&mut sum, &self.wing(t.prev(h)));
-            sum
-        };
-        let mut outer = wings(h);
-        add(&mut outer, &wings(twin));
-        let mut point = scaled(butterfly::EDGE_WING, &outer);
-        add_scaled(&mut point, butterfly::EDGE_OPPOSITE, &opposite);
-        add_scaled(&mut point, butterfly::EDGE_END, &ends);
-        point
+        let wings = |h: u32| [self.wing(t.next(h)), self.wing(t.prev(h))];
+        let (near, far) = (wings(h), wings(twin));
+        eight_points(
+            [&self.at(h), &self.at(t.next(h))],
+            [&self.at(t.prev(h)), &self.at(t.prev(twin))],
+            [near.each_ref(), far.each_ref()],
+        )
     }
 
     /// The vertex beyond side `h` of a triangle; past a cut the one that makes a parallelogram of its own triangle.
@@ -313,8 +324,26 @@ impl<'a, T: Real, R: Real, const N: usize> Sheets<'a, T, R, N> {
     }
 }
 
+/// Butterfly's point of a regular edge: of its ends, the vertices opposite it, and those beyond the other sides of either triangle.
+pub(crate) fn eight_points<R: Real, const N: usize>(
+    ends: [&[R; N]; 2],
+    opposite: [&[R; N]; 2],
+    wings: [[&[R; N]; 2]; 2],
+) -> [R; N] {
+    let sum = |[a, b]: [&[R; N]; 2]| {
+        let mut sum = *a;
+        add(&mut sum, b);
+        sum
+    };
+    let outer = wings.map(sum);
+    let mut point = scaled(butterfly::EDGE_WING, &sum(outer.each_ref()));
+    add_scaled(&mut point, butterfly::EDGE_OPPOSITE, &sum(opposite));
+    add_scaled(&mut point, butterfly::EDGE_END, &sum(ends));
+    point
+}
+
 /// The four-point rule between `a` and `b`.
-fn four_points<R: Real, const N: usize>(
+pub(crate) fn four_points<R: Real, const N: usize>(
     a: &[R; N],
     b: &[R; N],
     before: &[R; N],

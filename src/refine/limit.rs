@@ -16,11 +16,13 @@ use crate::topology::{NONE, Ring, Topology};
 use rayon::prelude::*;
 
 mod face_varying;
+mod frame;
 mod interpolating;
 mod local;
 mod rings;
 mod sectors;
 
+pub(crate) use frame::{Frame, normal};
 pub(crate) use interpolating::Tangents;
 use local::LocalRing;
 use rings::RingMasks;

@@ -14,6 +14,7 @@ pub mod edge;
 pub mod face;
 pub mod face_varying;
 pub mod interpolating;
+pub(crate) mod lattice;
 pub mod limit;
 pub mod real;
 pub(crate) mod restrict;

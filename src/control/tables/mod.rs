@@ -11,6 +11,7 @@
 mod build;
 mod shape;
 mod sheet;
+mod walk;
 
 use super::Kind;
 use crate::dice::MAX_LEVEL;
@@ -25,6 +26,8 @@ use shape::Shape;
 use sheet::Sheet;
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
+
+pub(crate) use walk::{Found, STEPS, Walk};
 
 /// Levels of a table, at most.
 const TABLE_LEVELS: u32 = 5;
@@ -58,6 +61,7 @@ struct Tables {
 pub(crate) struct Plans {
     shapes: [OnceLock<Shapes>; MAX_LEVEL as usize + 1],
     tables: [OnceLock<Tables>; MAX_LEVEL as usize + 1],
+    tangents: OnceLock<Arc<Tangents>>,
 }
 
 /// The whole mesh at one depth.
@@ -165,9 +169,25 @@ impl TableTree {
         }
     }
 
+    /// A walk to single points, or to texture coordinates if there are any.
+    pub(crate) fn walk(&self, kind: Kind) -> Option<Walk<'_>> {
+        let uvs = match kind {
+            Kind::Points => false,
+            Kind::Uvs if self.root.level.uvs.is_some() => true,
+            _ => return None,
+        };
+        Some(Walk::new(self, uvs))
+    }
+
     /// What depends on connectivity alone.
     pub(crate) fn plans(&self) -> Arc<Plans> {
         Arc::clone(&self.plans)
+    }
+
+    /// Masks of tangents, made once.
+    fn tangents(&self) -> &Tangents {
+        let make = || Arc::new(Tangents::new(self.options.scheme));
+        self.plans.tangents.get_or_init(make)
     }
 
     /// The channel of the faces that are drawn.
@@ -303,9 +323,9 @@ impl TableTree {
         let mut wanted: Vec<&Shape> = points.iter().chain(uvs).collect();
         wanted.sort();
         wanted.dedup();
-        let tangents = Tangents::new(self.options.scheme);
+        let tangents = self.tangents();
         let made: Vec<Arc<Table>> = (wanted.par_iter())
-            .map(|s| Arc::new(build::table(s, &self.options, &tangents, steps)))
+            .map(|s| Arc::new(build::table(s, &self.options, tangents, steps)))
             .collect();
         unique.extend(wanted.into_iter().zip(made));
         let tables_of = |shapes: &[Shape]| {

@@ -61,6 +61,38 @@ pub(super) fn vertex_limit<T: Real>(
     out
 }
 
+/// The half-edges of one sector of a vertex.
+pub(super) struct Sector {
+    pub(super) halves: Vec<u32>,
+    pub(super) closed: bool,
+}
+
+impl Sector {
+    /// The sector that begins with half-edge `start`.
+    pub(super) fn new<T: Real>(t: &Topology, sheets: &Sheets<'_, T, f64, 3>, start: u32) -> Self {
+        let halves: Vec<u32> = sheets.around(start).collect();
+        let last = halves[halves.len() - 1];
+        Self {
+            closed: sheets.twin(t.prev(last)) == start,
+            halves,
+        }
+    }
+
+    /// Whether the rows of quads do not go straight on beyond a neighbour.
+    pub(super) fn has_odd_neighbour<T: Real>(
+        &self,
+        t: &Topology,
+        sheets: &Sheets<'_, T, f64, 3>,
+    ) -> bool {
+        let inner = if self.closed {
+            &self.halves[..]
+        } else {
+            &self.halves[1..]
+        };
+        inner.iter().any(|&h| sheets.is_irregular(t.next(h)))
+    }
+}
+
 /// Tangents as linear maps, of vertices that refinement put into edges and faces: their rings are regular.
 #[derive(Debug)]
 pub(crate) struct Tangents(RingMasks);
@@ -68,6 +100,10 @@ pub(crate) struct Tangents(RingMasks);
 impl Tangents {
     pub(crate) fn new(scheme: Scheme) -> Self {
         Self(RingMasks::new(scheme))
+    }
+
+    pub(super) fn rings(&self) -> &RingMasks {
+        &self.0
     }
 
     /// Masks of the scheme itself.
@@ -83,17 +119,7 @@ impl Tangents {
         sheets: &Sheets<'_, f64, f64, N>,
         h: u32,
     ) -> Option<[[f64; N]; 2]> {
-        let mut start = h;
-        loop {
-            let twin = sheets.twin(start);
-            if twin == NONE {
-                break;
-            }
-            start = t.next(twin);
-            if start == h {
-                break;
-            }
-        }
+        let start = sheets.start(h);
         let halves: Vec<u32> = sheets.around(start).collect();
         let closed = sheets.twin(start) != NONE;
         let count = halves.len();
@@ -140,7 +166,7 @@ fn straight_on<const N: usize>(
 }
 
 /// The normal of the sector that begins with half-edge `start`; `spare` is how often the surroundings may be refined first.
-fn sector_normal<T: Real>(
+pub(super) fn sector_normal<T: Real>(
     step: &Step<'_>,
     masks: &RingMasks,
     points: &[[T; 3]],
@@ -149,15 +175,10 @@ fn sector_normal<T: Real>(
 ) -> Point {
     let t = step.topology;
     let sheets = Sheets::<T, f64, 3>::of_points(step, &masks.stencils, points);
-    let halves: Vec<u32> = sheets.around(start).collect();
-    let last = halves[halves.len() - 1];
-    let closed = sheets.twin(start) != NONE;
+    let sector = Sector::new(t, &sheets, start);
     let linear = step.is_linear();
     let quads = masks.scheme == Scheme::Kobbelt;
-    // Beyond an extraordinary neighbour the rows of quads do not go straight on.
-    let inner = if closed { &halves[..] } else { &halves[1..] };
-    let odd_neighbour = |&h: &u32| sheets.is_irregular(t.next(h));
-    if spare > 0 && quads && (linear || inner.iter().any(odd_neighbour)) {
+    if spare > 0 && quads && (linear || sector.has_odd_neighbour(t, &sheets)) {
         let refined = refined_around(step, points, t.vertex(start), start);
         if let Some((level, corner)) = refined {
             let options = Options {
@@ -168,6 +189,8 @@ fn sector_normal<T: Real>(
             return sector_normal(&step, masks, &level.points, corner, spare - 1);
         }
     }
+    let Sector { halves, closed } = sector;
+    let last = halves[halves.len() - 1];
     let x = sheets.at(start);
     if linear {
         return flat_normal(t, &sheets, &halves, closed, &[], &x);
@@ -259,7 +282,7 @@ fn flat_normal<T: Real>(
 }
 
 /// The surroundings of vertex `v`, one level on, and the corner there that descends from corner `h`.
-fn refined_around<T: Real>(
+pub(super) fn refined_around<T: Real>(
     step: &Step<'_>,
     points: &[[T; 3]],
     v: u32,
