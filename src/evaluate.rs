@@ -29,18 +29,21 @@
 
 use crate::control::Kind;
 use crate::dice::evaluate::QuadEvaluator;
+use crate::dice::triangle::TriangleEvaluator;
 use crate::surface::Surface;
 use rayon::prelude::*;
-use std::cell::RefCell;
 
 mod batch;
 mod face;
 mod locate;
+mod one_face;
+mod patches;
 mod sample;
 
 use batch::{Batch, CHUNK};
 pub use face::FaceEvaluator;
 use locate::Source;
+use patches::Patches;
 use sample::sealed::Asked;
 pub use sample::{Evaluated, Sample, SecondDerivatives, Tangents};
 
@@ -100,17 +103,22 @@ impl Surface {
     /// As [`Surface::evaluate`], with only as much as `S` holds: [`Sample`], [`Tangents`] or a position `[f32; 3]`.
     #[must_use]
     pub fn evaluate_as<S: Evaluated>(&self, face: u32, u: f32, v: f32) -> Option<S> {
-        thread_local! {
-            /// Keeps its memory from one place to the next.
-            static QUAD: RefCell<QuadEvaluator> = RefCell::default();
+        if self.is_triangular() {
+            self.evaluate_one::<TriangleEvaluator, S>(face, u, v)
+        } else {
+            self.evaluate_one::<QuadEvaluator, S>(face, u, v)
         }
-        let local = self.locate(face, u, v)?;
-        let source = Source::new(self, Kind::Points)?;
-        Some(QUAD.with_borrow_mut(|quad| {
+    }
+
+    #[inline(always)]
+    fn evaluate_one<P: Patches, S: Evaluated>(&self, face: u32, u: f32, v: f32) -> Option<S> {
+        let local = P::locate(self, face, u, v)?;
+        let source = Source::<P>::new(self, Kind::Points)?;
+        Some(P::with_own(|patches| {
             source.patch(local, |channel, at, tip| {
-                quad.prepare(channel, at.quad);
+                patches.prepare(channel, at.face);
                 S::evaluate(Asked {
-                    quad,
+                    patches,
                     channel,
                     at,
                     tip,
@@ -135,18 +143,33 @@ impl Surface {
                 wanted: places.len(),
             });
         }
-        let source = Source::new(self, Kind::Points).ok_or(EvaluateError::Scheme)?;
+        if self.is_triangular() {
+            self.evaluate_all::<TriangleEvaluator, S>(places, out)
+        } else {
+            self.evaluate_all::<QuadEvaluator, S>(places, out)
+        }
+    }
+
+    fn evaluate_all<P: Patches, S: Evaluated>(
+        &self,
+        places: &[Place],
+        out: &mut [S],
+    ) -> Result<(), EvaluateError>
+    where
+        for<'a> P::Channel<'a>: Sync,
+    {
+        let source = Source::<P>::new(self, Kind::Points).ok_or(EvaluateError::Scheme)?;
         if let Some(index) = places
             .par_iter()
             .with_min_len(CHUNK)
-            .position_first(|p| self.locate(p.face, p.u, p.v).is_none())
+            .position_first(|p| P::locate(self, p.face, p.u, p.v).is_none())
         {
             return Err(EvaluateError::NoSuchPlace { index });
         }
         places
             .par_chunks(CHUNK)
             .zip(out.par_chunks_mut(CHUNK))
-            .for_each_init(Batch::default, |batch, (places, out)| {
+            .for_each_init(Batch::<P>::default, |batch, (places, out)| {
                 batch.evaluate(self, &source, places, out);
             });
         Ok(())

@@ -37,7 +37,7 @@ pub(crate) trait Descend: std::fmt::Debug + Sync {
 }
 
 impl View<'_> {
-    pub(super) fn first_child(&self, q: u32) -> Option<u32> {
+    pub(crate) fn first_child(&self, q: u32) -> Option<u32> {
         let first = self.children.get(q as usize).copied();
         first.filter(|&c| c != NONE)
     }

@@ -19,8 +19,8 @@ use super::window::Around;
 use ring::Ring;
 use row::Column;
 pub(crate) use row::Row;
-pub(crate) use spline::Jet;
-use spline::{F4, Patch};
+use spline::Patch;
+pub(crate) use spline::{F4, Jet};
 use std::ops::Range;
 
 /// Parameters nearer than 2 to the minus this many to an irregular corner are the corner's.
@@ -35,21 +35,22 @@ pub(crate) enum Place {
     Corner(Jet, usize),
 }
 
-/// The patch that holds a parameter of a quad.
+/// The patch that holds a parameter of a face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leaf<'a> {
+pub(crate) struct Leaf<C> {
     /// The control level that the patch belongs to.
-    pub(crate) channel: Channel<'a>,
+    pub(crate) channel: C,
     pub(crate) depth: u32,
     pub(crate) quad: u32,
-    /// The parameter on the patch, which is 2 to the minus `depth` as large as the quad.
+    /// The parameter on the patch, and how much faster it runs than the face's.
     pub(crate) at: [f32; 2],
+    pub(crate) scale: f32,
     /// A corner that is a feature, if the parameter is that corner.
     pub(crate) tip: Option<usize>,
 }
 
 /// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch.
-pub(crate) fn leaf<'a>(below: &'a dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<'a>> {
+pub(crate) fn leaf(below: &dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<Channel<'_>>> {
     let root = below.at(0)?;
     root.first_child(q)?;
     let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
@@ -78,6 +79,7 @@ pub(crate) fn leaf<'a>(below: &'a dyn Descend, q: u32, u: f32, v: f32) -> Option
         depth,
         quad,
         at,
+        scale: (1_u32 << depth) as f32,
         tip,
     })
 }

@@ -35,8 +35,8 @@ pub(crate) trait DescendTriangles: std::fmt::Debug + Sync {
     fn at(&self, depth: u32) -> Option<TriangleView<'_>>;
 }
 
-impl TriangleView<'_> {
-    fn channel(&self) -> TriangleChannel<'_> {
+impl<'a> TriangleView<'a> {
+    pub(super) fn channel(&self) -> TriangleChannel<'a> {
         TriangleChannel {
             topology: self.topology,
             points: self.points,
@@ -44,7 +44,7 @@ impl TriangleView<'_> {
         }
     }
 
-    fn first_child(&self, face: u32) -> Option<u32> {
+    pub(crate) fn first_child(&self, face: u32) -> Option<u32> {
         let first = self.children.get(face as usize).copied();
         first.filter(|&c| c != NONE)
     }
