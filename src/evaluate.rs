@@ -9,19 +9,22 @@
 //! * **Polygons of n ≠ 4 corners**: u from 0 to n and v from 0 to 1. The polygon is n quads, one at each corner k, which has its own
 //!   corner 0 there and its corner 2 in the middle of the polygon; u = k + s stands for (s, v) in that quad, so s runs along the
 //!   polygon's side k as far as its middle, and v along side k − 1, backwards. u = n is the end of the last quad.
+//! * **Triangles under Loop's scheme**: barycentric coordinates; (1 − u − v, u, v) are the weights of corners 0, 1 and 2. u and v are not
+//!   negative, and their sum as an `f32` is at most 1; where that is so only after rounding, the place is on the side.
 //!
-//! Derivatives are by these u and v. Surfaces of triangles (Loop's scheme) are to take barycentric coordinates, where (1 − u − v, u, v)
-//! are the weights of corners 0, 1 and 2; they are not evaluated yet, and nothing is found on them.
+//! Derivatives are by these u and v. Surfaces by interpolating schemes are no patches, and nothing is found on them.
 //!
 //! # Where derivatives do not exist
 //!
 //! At a vertex of another valence than 4 (on a boundary, of other than 2 faces), derivatives by u and v tend to nothing or to no end, and
-//! second derivatives have no limit. Right at such a corner, and nearer than 2⁻⁴⁰ to it, a sample holds the limit point and the limit
-//! normal of the vertex, and as `du` and `dv` the tangents along the two sides with lengths in the vertex' natural parameters: those of
-//! the flat star of n equal sectors whose spokes come closest to the ring (after Stam, *Exact evaluation of Catmull-Clark subdivision
-//! surfaces at arbitrary parameter values*, 1998). For 4 sectors that is the derivative itself. At corners that stay where they are, of
-//! several faces, `du` and `dv` are the sides of the control quad. `second` is `None` at all of these. Everywhere else, however close,
-//! derivatives are those of the surface.
+//! second derivatives have no limit; among triangles these valences are 6 and 3. Right at such a corner, and nearer than 2⁻⁴⁰ to it, a
+//! sample holds the limit point and the limit normal of the vertex, and as `du` and `dv` the tangents along the two sides of a quad with
+//! lengths in the vertex' natural parameters: those of the flat star of equal sectors whose spokes come closest to the ring (after Stam,
+//! *Exact evaluation of Catmull-Clark subdivision surfaces at arbitrary parameter values*, 1998; for triangles, *Evaluation of Loop
+//! subdivision surfaces*). For an ordinary number of sectors that is the derivative itself. In a triangle the same two tangents make up
+//! `du` and `dv`, as they do in the plane: at corner 1, `du` is the tangent towards corner 0 turned round. At corners that stay where they
+//! are, of several faces (of triangles, of any number), `du` and `dv` are those of the control face. `second` is `None` at all of these.
+//! Everywhere else, however close, derivatives are those of the surface.
 //!
 //! Creases that fade are followed until they have faded. Right at a vertex where a crease begins, fades or ends, position and normal are
 //! the limit's, `du` and `dv` those of the deepest control level. Within 2⁻¹⁰ of the end of an infinitely sharp crease inside the surface,
@@ -76,7 +79,7 @@ pub enum EvaluateError {
         /// Samples wanted.
         wanted: usize,
     },
-    /// Surfaces of triangles are not evaluated yet.
+    /// Surfaces by interpolating schemes are no patches.
     #[error("surfaces of this scheme cannot be evaluated")]
     Scheme,
 }

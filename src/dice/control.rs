@@ -43,7 +43,7 @@ impl View<'_> {
     }
 
     /// The limit of corner `h` if it is at a feature.
-    fn tip(&self, h: u32) -> Option<[f32; 3]> {
+    pub(super) fn tip(&self, h: u32) -> Option<[f32; 3]> {
         let tips = self.tips?;
         let found = tips.binary_search_by_key(&self.topology.vertex(h), |t| t.0);
         found.ok().map(|i| tips[i].1)

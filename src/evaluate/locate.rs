@@ -25,6 +25,7 @@ pub struct Local {
 pub(super) struct Source<'a, P: Patches> {
     pub(super) root: P::Channel<'a>,
     pub(super) below: Option<TreeChannel<'a>>,
+    is_points: bool,
 }
 
 impl<'a, P: Patches> Source<'a, P> {
@@ -33,6 +34,7 @@ impl<'a, P: Patches> Source<'a, P> {
         Some(Self {
             root: P::channel(surface, kind)?,
             below: surface.below(kind, MAX_LEVEL, None),
+            is_points: kind == Kind::Points,
         })
     }
 
@@ -62,10 +64,12 @@ impl<'a, P: Patches> Source<'a, P> {
                     turned: at.turned,
                     scale: at.scale * leaf.scale,
                 };
-                let tip = leaf.tip.map(|c| {
-                    let (position, normal) = P::corner(self.root, at.face, c);
-                    Tip { position, normal }
-                });
+                let (position, normal) = match (self.is_points, leaf.tip, leaf.value) {
+                    (true, Some(c), _) => P::corner(self.root, at.face, c),
+                    (false, _, Some(value)) => (value, [0.0; 3]),
+                    _ => return then(leaf.channel, local, None),
+                };
+                let tip = Some(Tip { position, normal });
                 then(leaf.channel, local, tip)
             }
         }

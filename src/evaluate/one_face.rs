@@ -147,7 +147,7 @@ impl<'a, P: Patches> OneFace<'a, P> {
             return Some(P::linear(uvs.source.root, local));
         }
         let (patches, ready) = (&mut uvs.patches, &mut uvs.ready);
-        let position = uvs.source.patch(local, |channel, at, _| {
+        let position = uvs.source.patch(local, |channel, at, tip| {
             let key = Some((at.depth, at.face));
             if *ready != key {
                 patches.prepare(channel, at.face);
@@ -157,7 +157,7 @@ impl<'a, P: Patches> OneFace<'a, P> {
                 patches,
                 channel,
                 at,
-                tip: None,
+                tip,
             })
         });
         Some([position[0], position[1]])

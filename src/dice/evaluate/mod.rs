@@ -47,16 +47,18 @@ pub(crate) struct Leaf<C> {
     pub(crate) scale: f32,
     /// A corner that is a feature, if the parameter is that corner.
     pub(crate) tip: Option<usize>,
+    /// The limit of a value at a feature that the control levels end at.
+    pub(crate) value: Option<[f32; 3]>,
 }
 
 /// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch.
 pub(crate) fn leaf(below: &dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<Channel<'_>>> {
     let root = below.at(0)?;
     root.first_child(q)?;
-    let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-        .iter()
-        .position(|&at| at == [u, v]);
-    let tip = corner.filter(|&c| root.features[root.whole.vertex(4 * q + c as u32) as usize]);
+    const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
+    let tip =
+        corner([u, v]).filter(|&c| root.features[root.whole.vertex(4 * q + c as u32) as usize]);
     let (mut view, mut depth, mut quad, mut at) = (root, 0, q, [u, v]);
     while let Some(first) = view.first_child(quad) {
         // Below the last level there is nothing: darts end there.
@@ -81,6 +83,7 @@ pub(crate) fn leaf(below: &dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<C
         at,
         scale: (1_u32 << depth) as f32,
         tip,
+        value: corner(at).and_then(|c| view.tip(4 * quad + c as u32)),
     })
 }
 

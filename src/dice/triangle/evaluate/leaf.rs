@@ -13,10 +13,10 @@ pub(crate) fn leaf(
 ) -> Option<Leaf<TriangleChannel<'_>>> {
     let root = below.at(0)?;
     root.first_child(face)?;
-    let corner = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
-        .iter()
-        .position(|&at| at == [u, v]);
-    let tip = corner.filter(|&c| root.features[root.whole.vertex(3 * face + c as u32) as usize]);
+    const CORNERS: [[f32; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
+    let tip =
+        corner([u, v]).filter(|&c| root.features[root.whole.vertex(3 * face + c as u32) as usize]);
     let (mut view, mut depth, mut face) = (root, 0, face);
     let (mut at, mut scale) = ([u, v], 1.0);
     while let Some(first) = view.first_child(face) {
@@ -49,5 +49,6 @@ pub(crate) fn leaf(
         at,
         scale,
         tip,
+        value: corner(at).and_then(|c| view.tip(3 * face + c as u32)),
     })
 }
