@@ -57,8 +57,17 @@ pub(crate) fn leaf(below: &dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<C
     root.first_child(q)?;
     const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
-    let tip =
-        corner([u, v]).filter(|&c| root.features[root.whole.vertex(4 * q + c as u32) as usize]);
+    let mut tip = corner([u, v]);
+    if let Some(c) = tip {
+        let h = 4 * q + c as u32;
+        if !root.features[root.whole.vertex(h) as usize] {
+            // The fan's own rule holds, and gives the same tangents in all faces around, refined or not.
+            if !root.topology.fans()[root.topology.fan(h) as usize].is_regular() {
+                return None;
+            }
+            tip = None;
+        }
+    }
     let (mut view, mut depth, mut quad, mut at) = (root, 0, q, [u, v]);
     while let Some(first) = view.first_child(quad) {
         // Below the last level there is nothing: darts end there.

@@ -2,6 +2,7 @@
 
 use super::super::control::DescendTriangles;
 use super::super::patch::TriangleChannel;
+use super::super::ring::is_regular;
 use crate::dice::evaluate::Leaf;
 
 /// Follows the control levels below `face` down to the patch at (`u`, `v`). `None` where the triangle itself is the patch.
@@ -15,8 +16,17 @@ pub(crate) fn leaf(
     root.first_child(face)?;
     const CORNERS: [[f32; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
-    let tip =
-        corner([u, v]).filter(|&c| root.features[root.whole.vertex(3 * face + c as u32) as usize]);
+    let mut tip = corner([u, v]);
+    if let Some(c) = tip {
+        let h = 3 * face + c as u32;
+        if !root.features[root.whole.vertex(h) as usize] {
+            // The fan's own rule holds, and gives the same tangents in all faces around, refined or not.
+            if !is_regular(&root.topology.fans()[root.topology.fan(h) as usize]) {
+                return None;
+            }
+            tip = None;
+        }
+    }
     let (mut view, mut depth, mut face) = (root, 0, face);
     let (mut at, mut scale) = ([u, v], 1.0);
     while let Some(first) = view.first_child(face) {
