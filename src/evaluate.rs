@@ -9,20 +9,22 @@
 //! * **Polygons of n ≠ 4 corners**: u from 0 to n and v from 0 to 1. The polygon is n quads, one at each corner k, which has its own
 //!   corner 0 there and its corner 2 in the middle of the polygon; u = k + s stands for (s, v) in that quad, so s runs along the
 //!   polygon's side k as far as its middle, and v along side k − 1, backwards. u = n is the end of the last quad.
+//! * **Triangles** under Loop's scheme and Modified Butterfly: barycentric coordinates; (1 − u − v, u, v) are the weights of corners 0, 1 and 2. u and v are not
+//!   negative, and their sum as an `f32` is at most 1; where that is so only after rounding, the place is on the side.
 //!
-//! * **Triangles** of Modified Butterfly: u from 0 to 1 and v from 0 to 1 − u, where (1 − u − v, u, v) are the weights of corners 0, 1 and 2.
-//!
-//! Derivatives are by these u and v. Loop's surfaces are not evaluated yet, and nothing is found on them.
+//! Derivatives are by these u and v.
 //!
 //! # Where derivatives do not exist
 //!
 //! At a vertex of another valence than 4 (on a boundary, of other than 2 faces), derivatives by u and v tend to nothing or to no end, and
-//! second derivatives have no limit. Right at such a corner, and nearer than 2⁻⁴⁰ to it, a sample holds the limit point and the limit
-//! normal of the vertex, and as `du` and `dv` the tangents along the two sides with lengths in the vertex' natural parameters: those of
-//! the flat star of n equal sectors whose spokes come closest to the ring (after Stam, *Exact evaluation of Catmull-Clark subdivision
-//! surfaces at arbitrary parameter values*, 1998). For 4 sectors that is the derivative itself. At corners that stay where they are, of
-//! several faces, `du` and `dv` are the sides of the control quad. `second` is `None` at all of these. Everywhere else, however close,
-//! derivatives are those of the surface.
+//! second derivatives have no limit; among triangles these valences are 6 and 3. Right at such a corner, and nearer than 2⁻⁴⁰ to it, a
+//! sample holds the limit point and the limit normal of the vertex, and as `du` and `dv` the tangents along the two sides of a quad with
+//! lengths in the vertex' natural parameters: those of the flat star of equal sectors whose spokes come closest to the ring (after Stam,
+//! *Exact evaluation of Catmull-Clark subdivision surfaces at arbitrary parameter values*, 1998; for triangles, *Evaluation of Loop
+//! subdivision surfaces*). For an ordinary number of sectors that is the derivative itself. In a triangle the same two tangents make up
+//! `du` and `dv`, as they do in the plane: at corner 1, `du` is the tangent towards corner 0 turned round. At corners that stay where they
+//! are, of several faces (of triangles, of any number), `du` and `dv` are those of the control face. `second` is `None` at all of these.
+//! Everywhere else, however close, derivatives are those of the surface.
 //!
 //! Creases that fade are followed until they have faded. Right at a vertex where a crease begins, fades or ends, position and normal are
 //! the limit's, `du` and `dv` those of the deepest control level. Within 2⁻¹⁰ of the end of an infinitely sharp crease inside the surface,
@@ -48,19 +50,22 @@
 
 use crate::control::Kind;
 use crate::dice::evaluate::QuadEvaluator;
+use crate::dice::triangle::TriangleEvaluator;
 use crate::surface::Surface;
 use rayon::prelude::*;
-use std::cell::RefCell;
 
 mod batch;
 mod face;
 mod locate;
+mod one_face;
+mod patches;
 mod sample;
 mod table;
 
 use batch::{Batch, CHUNK};
 pub use face::FaceEvaluator;
 use locate::Source;
+use patches::Patches;
 use sample::sealed::Asked;
 pub use sample::{Evaluated, Sample, SecondDerivatives, Tangents};
 
@@ -99,7 +104,7 @@ pub enum EvaluateError {
         /// Samples wanted.
         wanted: usize,
     },
-    /// Loop's surfaces are not evaluated yet.
+    /// The surface has nothing to evaluate.
     #[error("surfaces of this scheme cannot be evaluated")]
     Scheme,
 }
@@ -127,20 +132,24 @@ impl Surface {
     /// As [`Surface::evaluate`], with only as much as `S` holds: [`Sample`], [`Tangents`] or a position `[f32; 3]`.
     #[must_use]
     pub fn evaluate_as<S: Evaluated>(&self, face: u32, u: f32, v: f32) -> Option<S> {
-        thread_local! {
-            /// Keeps its memory from one place to the next.
-            static QUAD: RefCell<QuadEvaluator> = RefCell::default();
-        }
         if self.scheme().is_interpolating() {
-            return table::evaluate(self, face, u, v);
+            table::evaluate(self, face, u, v)
+        } else if self.is_triangular() {
+            self.evaluate_one::<TriangleEvaluator, S>(face, u, v)
+        } else {
+            self.evaluate_one::<QuadEvaluator, S>(face, u, v)
         }
-        let local = self.locate(face, u, v)?;
-        let source = Source::new(self, Kind::Points)?;
-        Some(QUAD.with_borrow_mut(|quad| {
+    }
+
+    #[inline(always)]
+    fn evaluate_one<P: Patches, S: Evaluated>(&self, face: u32, u: f32, v: f32) -> Option<S> {
+        let local = P::locate(self, face, u, v)?;
+        let source = Source::<P>::new(self, Kind::Points)?;
+        Some(P::with_own(|patches| {
             source.patch(local, |channel, at, tip| {
-                quad.prepare(channel, at.quad);
+                patches.prepare(channel, at.face);
                 S::evaluate(Asked {
-                    quad,
+                    patches,
                     channel,
                     at,
                     tip,
@@ -166,20 +175,34 @@ impl Surface {
             });
         }
         if self.scheme().is_interpolating() {
-            return table::evaluate_many(self, places, out);
+            table::evaluate_many(self, places, out)
+        } else if self.is_triangular() {
+            self.evaluate_all::<TriangleEvaluator, S>(places, out)
+        } else {
+            self.evaluate_all::<QuadEvaluator, S>(places, out)
         }
-        let source = Source::new(self, Kind::Points).ok_or(EvaluateError::Scheme)?;
+    }
+
+    fn evaluate_all<P: Patches, S: Evaluated>(
+        &self,
+        places: &[Place],
+        out: &mut [S],
+    ) -> Result<(), EvaluateError>
+    where
+        for<'a> P::Channel<'a>: Sync,
+    {
+        let source = Source::<P>::new(self, Kind::Points).ok_or(EvaluateError::Scheme)?;
         if let Some(index) = places
             .par_iter()
             .with_min_len(CHUNK)
-            .position_first(|p| self.locate(p.face, p.u, p.v).is_none())
+            .position_first(|p| P::locate(self, p.face, p.u, p.v).is_none())
         {
             return Err(EvaluateError::NoSuchPlace { index });
         }
         places
             .par_chunks(CHUNK)
             .zip(out.par_chunks_mut(CHUNK))
-            .for_each_init(Batch::default, |batch, (places, out)| {
+            .for_each_init(Batch::<P>::default, |batch, (places, out)| {
                 batch.evaluate(self, &source, places, out);
             });
         Ok(())

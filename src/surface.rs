@@ -10,6 +10,7 @@ use crate::dice::control::Descend;
 use crate::dice::face::{Channel, FacePatch};
 use crate::dice::fan_points::FanPoints;
 use crate::dice::presplit::presplit;
+use crate::dice::triangle::TriangleChannel;
 use crate::dice::{DiceFault, MAX_LEVEL};
 use crate::mesh::{Cage, NONE};
 use crate::records::Grid3;
@@ -358,6 +359,19 @@ impl Surface {
             fans,
             below: None,
             linear: self.linear,
+        })
+    }
+
+    /// A channel of the triangles of Loop's scheme, if the surface has it.
+    pub(crate) fn triangle_channel(&self, kind: Kind) -> Option<TriangleChannel<'_>> {
+        let mesh = self.control.as_ref()?.root(kind)?;
+        let Fans::Triangles(_, fans) = &mesh.fans else {
+            return None;
+        };
+        Some(TriangleChannel {
+            topology: &mesh.topology,
+            points: &mesh.points,
+            fans,
         })
     }
 

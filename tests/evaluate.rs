@@ -4,6 +4,10 @@
 #[path = "evaluate/oracle.rs"]
 mod oracle;
 mod support;
+#[path = "evaluate/triangle_oracle.rs"]
+mod triangle_oracle;
+#[path = "evaluate/triangles.rs"]
+mod triangles;
 
 use earmark::evaluate::{EvaluateError, Place, Sample, Tangents};
 use earmark::scheme::{Boundary, Scheme};
@@ -391,14 +395,16 @@ fn bad_arguments_have_no_sample() {
     assert!(face.grid::<[f32; 3]>(0, &mut []).is_err());
     let error = surface.evaluate_many(&[Place::default()], &mut [[0.0; 3]; 2]);
     assert_eq!(error, Err(EvaluateError::WrongCount { got: 2, wanted: 1 }));
-    // Triangles by Loop's scheme have no quads.
+    // Interpolating surfaces are no patches.
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let loops = Surface::new(
-        Cage::new(points, &[3], vec![0, 1, 2]).unwrap(),
-        &SurfaceOptions::default(),
-    );
-    assert!(loops.evaluate(0, 0.2, 0.2).is_none() && loops.face_evaluator(0).is_none());
-    let error = loops.evaluate_many(&[Place::default()], &mut [[0.0; 3]]);
+    let butterfly = SurfaceOptions {
+        scheme: Some(Scheme::Butterfly),
+        ..SurfaceOptions::default()
+    };
+    let cage = Cage::new(points, &[3], vec![0, 1, 2]).unwrap();
+    let butterfly = Surface::new(cage, &butterfly);
+    assert!(butterfly.evaluate(0, 0.2, 0.2).is_none() && butterfly.face_evaluator(0).is_none());
+    let error = butterfly.evaluate_many(&[Place::default()], &mut [[0.0; 3]]);
     assert_eq!(error, Err(EvaluateError::Scheme));
     // Polygons: u from 0 to the number of corners.
     let triangles = surface_of(&smooth(gem()), EDGES);

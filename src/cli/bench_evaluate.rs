@@ -31,11 +31,21 @@ impl Random {
         let t = surface.topology();
         let face = ((u64::from(self.bits()) * t.face_count() as u64) >> 31) as u32;
         let corners = t.face_halves(face).len();
+        let (u, v) = (self.unit(), self.unit());
+        if surface.is_triangular() {
+            // The other half of the square is the triangle once more.
+            let (u, v) = if u + v > 1.0 {
+                (1.0 - u, 1.0 - v)
+            } else {
+                (u, v)
+            };
+            return Place { face, u, v };
+        }
         let width = if corners == 4 { 1.0 } else { corners as f32 };
         Place {
             face,
-            u: self.unit() * width,
-            v: self.unit(),
+            u: u * width,
+            v,
         }
     }
 }

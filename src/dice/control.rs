@@ -37,13 +37,13 @@ pub(crate) trait Descend: std::fmt::Debug + Sync {
 }
 
 impl View<'_> {
-    pub(super) fn first_child(&self, q: u32) -> Option<u32> {
+    pub(crate) fn first_child(&self, q: u32) -> Option<u32> {
         let first = self.children.get(q as usize).copied();
         first.filter(|&c| c != NONE)
     }
 
     /// The limit of corner `h` if it is at a feature.
-    fn tip(&self, h: u32) -> Option<[f32; 3]> {
+    pub(super) fn tip(&self, h: u32) -> Option<[f32; 3]> {
         let tips = self.tips?;
         let found = tips.binary_search_by_key(&self.topology.vertex(h), |t| t.0);
         found.ok().map(|i| tips[i].1)

@@ -9,6 +9,8 @@ pub(crate) trait Point:
 {
     /// The origin.
     const ZERO: Self;
+    /// A point of a mesh.
+    fn of(p: [f32; 3]) -> Self;
     /// `2a − b`: the phantom point beyond a boundary, which keeps the boundary curve free of what lies inside.
     #[inline(always)]
     fn beyond(a: Self, b: Self) -> Self {
@@ -67,6 +69,10 @@ impl P4 {
 
 impl Point for P4 {
     const ZERO: Self = Self([0.0; 4]);
+    #[inline(always)]
+    fn of(p: [f32; 3]) -> Self {
+        Self::new(p)
+    }
 }
 
 impl Add for P4 {
@@ -130,6 +136,10 @@ impl D4 {
 
 impl Point for D4 {
     const ZERO: Self = Self([0.0; 4]);
+    #[inline(always)]
+    fn of(p: [f32; 3]) -> Self {
+        Self::wide(p)
+    }
 }
 
 impl Add for D4 {

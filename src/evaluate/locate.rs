@@ -1,21 +1,19 @@
-//! Where a place of the cage is among the patches: in which quad, and below features in which quad of a deeper control level.
+//! Where a place of the cage is among the patches: in which face that is prepared, and below features in which face of a deeper control
+//! level.
 
+use super::patches::Patches;
 use crate::control::{Kind, TreeChannel};
 use crate::dice::MAX_LEVEL;
-use crate::dice::control::Descend;
-use crate::dice::evaluate::{Jet, leaf};
-use crate::dice::face::Channel;
-use crate::dice::fan_points::FanPoints;
+use crate::dice::evaluate::Jet;
 use crate::surface::Surface;
-use std::sync::LazyLock;
 
-/// A place in a mesh of quads.
+/// A place in a mesh of quads or triangles.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Local {
-    pub(crate) quad: u32,
+pub struct Local {
+    pub(crate) face: u32,
     pub(crate) u: f32,
     pub(crate) v: f32,
-    /// Control level that the quad belongs to.
+    /// Control level that the face belongs to.
     pub(super) depth: u32,
     /// The quad is seen from this corner of the face, at this scale.
     turned: usize,
@@ -24,64 +22,54 @@ pub(crate) struct Local {
 
 /// Control data of a surface, of points or texture coordinates.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Source<'a> {
-    pub(super) root: Channel<'a>,
+pub(super) struct Source<'a, P: Patches> {
+    pub(super) root: P::Channel<'a>,
     pub(super) below: Option<TreeChannel<'a>>,
+    is_points: bool,
 }
 
-impl<'a> Source<'a> {
+impl<'a, P: Patches> Source<'a, P> {
     pub(super) fn new(surface: &'a Surface, kind: Kind) -> Option<Self> {
         surface.ensure(MAX_LEVEL);
         Some(Self {
-            root: surface.channel(kind, None)?,
+            root: P::channel(surface, kind)?,
             below: surface.below(kind, MAX_LEVEL, None),
+            is_points: kind == Kind::Points,
         })
     }
 
-    /// Stands in on interpolating surfaces, which have no patches.
-    pub(super) fn bare(surface: &'a Surface) -> Self {
-        static NO_FANS: LazyLock<FanPoints> = LazyLock::new(FanPoints::default);
-        Self {
-            root: Channel {
-                topology: surface.quads(),
-                points: surface.control_points(),
-                fans: &NO_FANS,
-                below: None,
-                linear: false,
-            },
-            below: None,
-        }
+    /// Whether a face has deeper control levels.
+    pub(super) fn is_refined(&self, face: u32) -> bool {
+        (self.below.as_ref()).is_some_and(|below| P::is_refined(below, face))
     }
 
-    /// Calls `then` with the patch at a place of the quads.
+    /// Calls `then` with the patch at a place of the faces.
     #[inline(always)]
     pub(super) fn patch<R>(
         &self,
         at: Local,
-        then: impl FnOnce(Channel<'_>, Local, Option<Tip>) -> R,
+        then: impl FnOnce(P::Channel<'_>, Local, Option<Tip>) -> R,
     ) -> R {
         let Some(below) = &self.below else {
             return then(self.root, at, None);
         };
-        match leaf(below as &dyn Descend, at.quad, at.u, at.v) {
+        match P::leaf(below, at) {
             None => then(self.root, at, None),
             Some(leaf) => {
                 let local = Local {
-                    quad: leaf.quad,
+                    face: leaf.quad,
                     u: leaf.at[0],
                     v: leaf.at[1],
                     depth: leaf.depth,
                     turned: at.turned,
-                    scale: at.scale * (1_u32 << leaf.depth) as f32,
+                    scale: at.scale * leaf.scale,
                 };
-                let tip = leaf.tip.map(|c| {
-                    let fan = self.root.topology.fan(4 * at.quad + c as u32) as usize;
-                    let fans = self.root.fans;
-                    Tip {
-                        position: fans.limits[fan],
-                        normal: fans.normals.get(fan).copied().unwrap_or_default(),
-                    }
-                });
+                let (position, normal) = match (self.is_points, leaf.tip, leaf.value) {
+                    (true, Some(c), _) => P::corner(self.root, at.face, c),
+                    (false, _, Some(value)) => (value, [0.0; 3]),
+                    _ => return then(leaf.channel, local, None),
+                };
+                let tip = Some(Tip { position, normal });
                 then(leaf.channel, local, tip)
             }
         }
@@ -96,10 +84,10 @@ pub(crate) struct Tip {
 }
 
 impl Local {
-    /// A place in a quad that is its own face.
-    pub(crate) fn quad(quad: u32, u: f32, v: f32) -> Self {
+    /// A place in a prepared face that is a face of the cage.
+    pub(crate) fn whole(face: u32, u: f32, v: f32) -> Self {
         Self {
-            quad,
+            face,
             u,
             v,
             depth: 0,
@@ -108,7 +96,7 @@ impl Local {
         }
     }
 
-    /// What was found in the quad, by the parameters of the face.
+    /// What was found in the prepared face, by the parameters of the cage's face.
     #[inline(always)]
     pub(crate) fn outer<const ORDER: u32>(&self, jet: Jet) -> Jet {
         if self.scale == 1.0 {
@@ -132,7 +120,7 @@ pub(super) fn child(first: u32, u: f32, v: f32) -> Local {
         (false, true) => (3, [1.0 - v, u]),
     };
     Local {
-        quad: first + corner as u32,
+        face: first + corner as u32,
         u: 2.0 * s,
         v: 2.0 * t,
         depth: 0,
@@ -143,7 +131,7 @@ pub(super) fn child(first: u32, u: f32, v: f32) -> Local {
 
 impl Surface {
     #[inline(always)]
-    pub(super) fn locate(&self, face: u32, u: f32, v: f32) -> Option<Local> {
+    pub(super) fn locate_quad(&self, face: u32, u: f32, v: f32) -> Option<Local> {
         // What is not a number is in no range.
         if face as usize >= self.topology().face_count() || !is_unit(v) {
             return None;
@@ -151,7 +139,7 @@ impl Surface {
         if self.is_split() {
             return self.locate_child(face, u, v);
         }
-        is_unit(u).then_some(Local::quad(face, u, v))
+        is_unit(u).then_some(Local::whole(face, u, v))
     }
 
     fn locate_child(&self, face: u32, u: f32, v: f32) -> Option<Local> {
@@ -164,6 +152,6 @@ impl Surface {
             .contains(&u)
             .then(|| (u as u32).min(n - 1))?;
         let u = (u - k as f32).min(1.0);
-        Some(Local::quad(halves.start + k, u, v))
+        Some(Local::whole(halves.start + k, u, v))
     }
 }

@@ -1,8 +1,8 @@
 //! What an evaluation gives, in three sizes.
 
 use super::locate::Local;
-use crate::dice::evaluate::{Jet, Place as Found, QuadEvaluator, Row};
-use crate::dice::face::Channel;
+use super::patches::{GridRow, Patches};
+use crate::dice::evaluate::{Jet, Place as Found};
 use crate::math;
 
 /// The limit surface at one place.
@@ -51,13 +51,12 @@ impl Evaluated for [f32; 3] {}
 
 pub(super) mod sealed {
     use super::super::locate::{Local, Tip};
-    use crate::dice::evaluate::QuadEvaluator;
-    use crate::dice::face::Channel;
+    use super::super::patches::Patches;
 
-    /// A place in a quad that is ready.
-    pub struct Asked<'a> {
-        pub(in super::super) quad: &'a mut QuadEvaluator,
-        pub(in super::super) channel: Channel<'a>,
+    /// A place in a face that is ready.
+    pub struct Asked<'a, 'c, P: Patches> {
+        pub(in super::super) patches: &'a mut P,
+        pub(in super::super) channel: P::Channel<'c>,
         pub(in super::super) at: Local,
         pub(in super::super) tip: Option<Tip>,
     }
@@ -68,18 +67,18 @@ pub(super) mod sealed {
         const DERIVATIVES: bool = true;
         /// What it holds of a sample.
         fn of_sample(sample: super::Sample) -> Self;
-        fn evaluate(asked: Asked<'_>) -> Self;
-        /// The grid of `n` segments of the quad; the place of `asked` says which quad alone.
-        fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]);
+        fn evaluate<P: Patches>(asked: Asked<'_, '_, P>) -> Self;
+        /// The grid of `n` segments of the face; the place of `asked` says which face alone.
+        fn grid<P: Patches>(asked: Asked<'_, '_, P>, n: u32, out: &mut [Self]);
     }
 }
 
 use sealed::Asked;
 
-impl Asked<'_> {
+impl<P: Patches> Asked<'_, '_, P> {
     #[inline(always)]
     fn jet<const ORDER: u32>(self) -> Jet {
-        let found = self.quad.at::<ORDER>(self.channel, self.at.u, self.at.v);
+        let found = self.patches.at::<ORDER>(self.channel, self.at.u, self.at.v);
         self.at.outer::<ORDER>(jet(found))
     }
 }
@@ -90,14 +89,14 @@ impl sealed::Kind for [f32; 3] {
         sample.position
     }
     #[inline(always)]
-    fn evaluate(asked: Asked<'_>) -> Self {
+    fn evaluate<P: Patches>(asked: Asked<'_, '_, P>) -> Self {
         match asked.tip {
             Some(tip) => tip.position,
             None => asked.jet::<0>().position.xyz(),
         }
     }
-    fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
-        rows::<0, _>(asked.quad, asked.channel, n, out, |row, out| {
+    fn grid<P: Patches>(asked: Asked<'_, '_, P>, n: u32, out: &mut [Self]) {
+        (asked.patches).rows::<0, _>(asked.channel, n, out, |row, out| {
             row.tangents(out, |[position, ..]| position);
         });
     }
@@ -112,7 +111,7 @@ impl sealed::Kind for Tangents {
         }
     }
     #[inline(always)]
-    fn evaluate(asked: Asked<'_>) -> Self {
+    fn evaluate<P: Patches>(asked: Asked<'_, '_, P>) -> Self {
         let tip = asked.tip;
         let mut out = Self::of(asked.jet::<1>());
         if let Some(tip) = tip {
@@ -120,8 +119,8 @@ impl sealed::Kind for Tangents {
         }
         out
     }
-    fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
-        rows::<1, _>(asked.quad, asked.channel, n, out, |row, out| {
+    fn grid<P: Patches>(asked: Asked<'_, '_, P>, n: u32, out: &mut [Self]) {
+        (asked.patches).rows::<1, _>(asked.channel, n, out, |row, out| {
             row.tangents(out, |[position, du, dv]| Self { position, du, dv });
         });
     }
@@ -132,15 +131,15 @@ impl sealed::Kind for Sample {
         sample
     }
     #[inline(always)]
-    fn evaluate(asked: Asked<'_>) -> Self {
+    fn evaluate<P: Patches>(asked: Asked<'_, '_, P>) -> Self {
         let Asked {
-            quad,
+            patches,
             channel,
             at,
             tip,
         } = asked;
-        let found = quad.at::<2>(channel, at.u, at.v);
-        let mut out = Self::of(quad, channel, &at, found);
+        let found = patches.at::<2>(channel, at.u, at.v);
+        let mut out = Self::of(patches, channel, &at, found);
         if let Some(tip) = tip {
             out.position = tip.position;
             out.normal = math::normalize(tip.normal).unwrap_or(out.normal);
@@ -148,11 +147,14 @@ impl sealed::Kind for Sample {
         }
         out
     }
-    fn grid(asked: Asked<'_>, n: u32, out: &mut [Self]) {
+    fn grid<P: Patches>(asked: Asked<'_, '_, P>, n: u32, out: &mut [Self]) {
         let Asked {
-            quad, channel, at, ..
+            patches,
+            channel,
+            at,
+            ..
         } = asked;
-        rows::<2, _>(quad, channel, n, out, |row, out| {
+        patches.rows::<2, _>(channel, n, out, |row, out| {
             for (i, out) in out.iter_mut().enumerate() {
                 let jet = row.jet(i);
                 *out = Self::quick(match row.corner(i) {
@@ -162,31 +164,13 @@ impl sealed::Kind for Sample {
             }
         });
         // Places without a clear normal are evaluated once more, with all that can be done.
-        let side = n as usize + 1;
-        for (k, out) in out.iter_mut().enumerate() {
+        for (out, [u, v]) in out.iter_mut().zip(P::grid_places(n)) {
             if out.normal == [0.0; 3] {
-                let [u, v] = [k % side, k / side].map(|i| i as f32 / n as f32);
-                let at = Local::quad(at.quad, u, v);
-                let found = quad.at::<2>(channel, u, v);
-                *out = Self::of(quad, channel, &at, found);
+                let at = Local::whole(at.face, u, v);
+                let found = patches.at::<2>(channel, u, v);
+                *out = Self::of(patches, channel, &at, found);
             }
         }
-    }
-}
-
-/// Evaluates a grid of `n` segments row by row; `convert` writes a row's samples.
-#[inline(always)]
-fn rows<const ORDER: u32, S>(
-    quad: &mut QuadEvaluator,
-    channel: Channel<'_>,
-    n: u32,
-    out: &mut [S],
-    convert: impl Fn(&Row, &mut [S]),
-) {
-    let mut row = Row::new(n);
-    for (j, out) in (0..=n).zip(out.chunks_exact_mut(n as usize + 1)) {
-        quad.grid_row::<ORDER>(channel, j as f32 / n as f32, &mut row);
-        convert(&row, out);
     }
 }
 
@@ -233,7 +217,7 @@ impl Sample {
     }
 
     #[inline(always)]
-    fn of(quad: &mut QuadEvaluator, channel: Channel<'_>, at: &Local, found: Found) -> Self {
+    fn of<P: Patches>(patches: &mut P, channel: P::Channel<'_>, at: &Local, found: Found) -> Self {
         let mut sample = Self::quick(match found {
             Found::Smooth(jet) => Found::Smooth(at.outer::<2>(jet)),
             Found::Corner(jet, c) => Found::Corner(at.outer::<2>(jet), c),
@@ -243,7 +227,7 @@ impl Sample {
                 Found::Corner(_, c) => Some(c),
                 Found::Smooth(_) => None,
             };
-            sample.normal = spare_normal(quad, channel, at, corner);
+            sample.normal = spare_normal(patches, channel, at, corner);
         }
         sample
     }
@@ -275,28 +259,26 @@ fn normal(jet: &Jet) -> Option<[f32; 3]> {
     }
 }
 
-/// The normal where the derivatives have none: of the corner if it is one, else of a place closer to the middle of the quad, else of the
+/// The normal where the derivatives have none: of the corner if it is one, else of a place closer to the middle of the face, else of the
 /// nearest corner.
 #[cold]
-fn spare_normal(
-    quad: &mut QuadEvaluator,
-    channel: Channel<'_>,
+fn spare_normal<P: Patches>(
+    patches: &mut P,
+    channel: P::Channel<'_>,
     at: &Local,
     corner: Option<usize>,
 ) -> [f32; 3] {
-    let nearest =
-        corner.unwrap_or([[0, 1], [3, 2]][usize::from(at.v >= 0.5)][usize::from(at.u >= 0.5)]);
+    let nearest = corner.unwrap_or_else(|| P::nearest_corner(at.u, at.v));
     if corner.is_none() {
         for step in [1e-3, 1e-2, 0.1, 0.5] {
-            let [u, v] = [at.u, at.v].map(|x| x + (0.5 - x) * step);
-            if let Found::Smooth(jet) = quad.at::<1>(channel, u, v)
+            let [u, v] = [at.u, at.v].map(|x| x + (P::MIDDLE - x) * step);
+            if let Found::Smooth(jet) = patches.at::<1>(channel, u, v)
                 && let Some(normal) = normal(&jet)
             {
                 return normal;
             }
         }
     }
-    let fan = channel.topology.fan(4 * at.quad + nearest as u32);
-    let normal = channel.fans.normals.get(fan as usize).copied();
-    normal.and_then(math::normalize).unwrap_or([0.0, 0.0, 1.0])
+    let (_, normal) = P::corner(channel, at.face, nearest);
+    math::normalize(normal).unwrap_or([0.0, 0.0, 1.0])
 }

@@ -173,7 +173,7 @@ fn key([x, y]: [u32; 2]) -> u32 {
 #[derive(Clone, Debug)]
 pub(super) struct TableFace<'a> {
     surface: &'a Surface,
-    face: u32,
+    pub(super) face: u32,
     points: Walk<'a>,
     uvs: Option<Walk<'a>>,
 }

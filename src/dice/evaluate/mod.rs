@@ -19,8 +19,8 @@ use super::window::Around;
 use ring::Ring;
 use row::Column;
 pub(crate) use row::Row;
-pub(crate) use spline::Jet;
-use spline::{F4, Patch};
+use spline::Patch;
+pub(crate) use spline::{F4, Jet};
 use std::ops::Range;
 
 /// Parameters nearer than 2 to the minus this many to an irregular corner are the corner's.
@@ -35,27 +35,39 @@ pub(crate) enum Place {
     Corner(Jet, usize),
 }
 
-/// The patch that holds a parameter of a quad.
+/// The patch that holds a parameter of a face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leaf<'a> {
+pub(crate) struct Leaf<C> {
     /// The control level that the patch belongs to.
-    pub(crate) channel: Channel<'a>,
+    pub(crate) channel: C,
     pub(crate) depth: u32,
     pub(crate) quad: u32,
-    /// The parameter on the patch, which is 2 to the minus `depth` as large as the quad.
+    /// The parameter on the patch, and how much faster it runs than the face's.
     pub(crate) at: [f32; 2],
+    pub(crate) scale: f32,
     /// A corner that is a feature, if the parameter is that corner.
     pub(crate) tip: Option<usize>,
+    /// The limit of a value at a feature that the control levels end at.
+    pub(crate) value: Option<[f32; 3]>,
 }
 
 /// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch.
-pub(crate) fn leaf<'a>(below: &'a dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<'a>> {
+pub(crate) fn leaf(below: &dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<Channel<'_>>> {
     let root = below.at(0)?;
     root.first_child(q)?;
-    let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-        .iter()
-        .position(|&at| at == [u, v]);
-    let tip = corner.filter(|&c| root.features[root.whole.vertex(4 * q + c as u32) as usize]);
+    const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
+    let mut tip = corner([u, v]);
+    if let Some(c) = tip {
+        let h = 4 * q + c as u32;
+        if !root.features[root.whole.vertex(h) as usize] {
+            // The fan's own rule holds, and gives the same tangents in all faces around, refined or not.
+            if !root.topology.fans()[root.topology.fan(h) as usize].is_regular() {
+                return None;
+            }
+            tip = None;
+        }
+    }
     let (mut view, mut depth, mut quad, mut at) = (root, 0, q, [u, v]);
     while let Some(first) = view.first_child(quad) {
         // Below the last level there is nothing: darts end there.
@@ -78,7 +90,9 @@ pub(crate) fn leaf<'a>(below: &'a dyn Descend, q: u32, u: f32, v: f32) -> Option
         depth,
         quad,
         at,
+        scale: (1_u32 << depth) as f32,
         tip,
+        value: corner(at).and_then(|c| view.tip(4 * quad + c as u32)),
     })
 }
 

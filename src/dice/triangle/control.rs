@@ -35,8 +35,8 @@ pub(crate) trait DescendTriangles: std::fmt::Debug + Sync {
     fn at(&self, depth: u32) -> Option<TriangleView<'_>>;
 }
 
-impl TriangleView<'_> {
-    fn channel(&self) -> TriangleChannel<'_> {
+impl<'a> TriangleView<'a> {
+    pub(super) fn channel(&self) -> TriangleChannel<'a> {
         TriangleChannel {
             topology: self.topology,
             points: self.points,
@@ -44,7 +44,7 @@ impl TriangleView<'_> {
         }
     }
 
-    fn first_child(&self, face: u32) -> Option<u32> {
+    pub(crate) fn first_child(&self, face: u32) -> Option<u32> {
         let first = self.children.get(face as usize).copied();
         first.filter(|&c| c != NONE)
     }
@@ -55,14 +55,17 @@ impl TriangleView<'_> {
         feature(c) || feature(c + 1)
     }
 
+    /// The limit of corner `h` if it is at a feature.
+    pub(super) fn tip(&self, h: u32) -> Option<[f32; 3]> {
+        let tips = self.tips?;
+        let found = tips.binary_search_by_key(&self.topology.vertex(h), |t| t.0);
+        found.ok().map(|i| tips[i].1)
+    }
+
     /// Limit point and normal of corner `h`.
     fn corner(&self, h: u32) -> ([f32; 3], [f32; 3]) {
         let fan = self.topology.fan(h) as usize;
-        let tip = self.tips.and_then(|tips| {
-            let vertex = self.topology.vertex(h);
-            let found = tips.binary_search_by_key(&vertex, |t| t.0);
-            found.ok().map(|i| tips[i].1)
-        });
+        let tip = self.tip(h);
         let normal = self.fans.normals.get(fan).copied();
         (
             tip.unwrap_or(self.fans.limits[fan]),

@@ -7,6 +7,7 @@
 
 use super::super::point::P4;
 use super::ring::{is_regular, next, prev, rule};
+use super::wide::{RING_FACES, WideFan};
 use crate::topology::{Fan, FanRule, NONE, Ring, Topology};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -26,7 +27,7 @@ pub(super) fn beta(n: u32) -> f64 {
 }
 
 /// Tangent weights around a fan: (T1, T2) of every edge, of the vertex at the end.
-type Mask = Vec<[f64; 2]>;
+pub(super) type Mask = Vec<[f64; 2]>;
 
 /// Tangent masks of all kinds of fans of a mesh, by closedness and number of faces.
 #[derive(Clone, Debug, Default)]
@@ -122,9 +123,16 @@ pub(crate) struct TriangleFans {
     series: Vec<Series>,
     /// Per fan its place in `series`; [`NONE`] where regular.
     irregular: Vec<u32>,
+    /// Fans of many faces, by number.
+    wide: Vec<(u32, WideFan)>,
 }
 
 impl TriangleFans {
+    pub(super) fn wide(&self, fan: u32) -> Option<&WideFan> {
+        let at = self.wide.binary_search_by_key(&fan, |w| w.0).ok()?;
+        Some(&self.wide[at].1)
+    }
+
     pub(super) fn series(&self, fan: u32) -> Option<Series> {
         self.series
             .get(self.irregular[fan as usize] as usize)
@@ -152,6 +160,12 @@ impl TriangleFans {
             irregular,
             ..Self::default()
         };
+        let wide = |fan: u32| {
+            let kind = t.fans()[fan as usize];
+            let mask = masks.0.get(&(kind.closed, kind.faces));
+            (kind.faces > RING_FACES).then(|| (fan, WideFan::new(t, fan, points, mask)))
+        };
+        out.wide = list.iter().filter_map(|&fan| wide(fan)).collect();
         out.series = list
             .par_iter()
             .with_min_len(256)
@@ -206,15 +220,20 @@ fn unit(a: V3) -> Option<V3> {
 }
 
 /// Sums over a ring, relative to its vertex, in f64.
-struct RingSums {
-    edges: V3,
-    ends: [V3; 2],
-    tangents: [V3; 2],
+pub(super) struct RingSums {
+    pub(super) edges: V3,
+    pub(super) ends: [V3; 2],
+    pub(super) tangents: [V3; 2],
     /// Sum of the cross products of neighbouring spokes: a normal when all else fails.
     area: V3,
 }
 
-fn ring_sums(t: &Topology, fan: &Fan, points: &[[f32; 3]], mask: Option<&Mask>) -> RingSums {
+pub(super) fn ring_sums(
+    t: &Topology,
+    fan: &Fan,
+    points: &[[f32; 3]],
+    mask: Option<&Mask>,
+) -> RingSums {
     let origin = points[t.vertex(fan.first) as usize];
     let at = |h: u32| {
         let p = points[t.vertex(h) as usize];

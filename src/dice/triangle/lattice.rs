@@ -1,9 +1,8 @@
 //! The refined control points around a triangle, on its lattice: the nets of its four children, and the way towards one corner.
 
-use super::super::point::P4;
+use super::super::point::{P4, Point};
 use super::basis::OFFSETS;
 use super::ring::{Hexagon, Near, edge_point, vertex_point};
-use super::tensor::Net12;
 
 /// The neighbours of a lattice point, counter-clockwise.
 const DIRECTIONS: [[i32; 2]; 6] = [[1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]];
@@ -13,26 +12,26 @@ const CORNERS: [[i32; 2]; 3] = [[0, 0], [2, 0], [2, 2]];
 
 /// Points −1 to 3 both ways after one step, the triangle's corners at (0, 0), (2, 0) and (2, 2). Zero where nothing is known.
 #[derive(Clone, Debug)]
-pub(super) struct Lattice([[P4; 5]; 5]);
+pub(super) struct Lattice<P = P4>([[P; 5]; 5]);
 
-impl Lattice {
-    const ZERO: Self = Self([[P4::ZERO; 5]; 5]);
+impl<P: Point> Lattice<P> {
+    pub(super) const ZERO: Self = Self([[P::ZERO; 5]; 5]);
 
     #[inline]
-    fn get(&self, [i, j]: [i32; 2]) -> P4 {
+    fn get(&self, [i, j]: [i32; 2]) -> P {
         self.0[(j + 1) as usize][(i + 1) as usize]
     }
     #[inline]
-    fn set(&mut self, [i, j]: [i32; 2], p: P4) {
+    fn set(&mut self, [i, j]: [i32; 2], p: P) {
         self.0[(j + 1) as usize][(i + 1) as usize] = p;
     }
 
     /// From the rings of the corners after one step; whole hexagons where the corner is regular.
-    pub(super) fn around(near: &[Near; 3], regular: [Option<&Hexagon>; 3]) -> Self {
+    pub(super) fn around(near: &[Near<P>; 3], regular: [Option<&Hexagon<P>>; 3]) -> Self {
         let mut out = Self::ZERO;
         for c in 0..3 {
             let [x, y] = CORNERS[c];
-            let mut put = |i: usize, p: P4| {
+            let mut put = |i: usize, p: P| {
                 let [dx, dy] = DIRECTIONS[(i + 2 * c) % 6];
                 out.set([x + dx, y + dy], p);
             };
@@ -49,7 +48,7 @@ impl Lattice {
     }
 
     /// The net of child `c`: 0 to 2 at the corners, 3 in the middle.
-    pub(super) fn child(&self, c: usize) -> Net12 {
+    pub(super) fn child(&self, c: usize) -> [P; 12] {
         OFFSETS.map(|[i, j]| match c {
             0 => self.get([i, j]),
             1 => self.get([1 + i, j]),
@@ -60,14 +59,14 @@ impl Lattice {
 
     /// The same seen from corner `c`, as far as [`Lattice::deeper`] needs it, and relative to `base`; `ring` is the corner's ring, which
     /// is so already.
-    pub(super) fn towards(&self, c: usize, base: P4, ring: &Near) -> Self {
+    pub(super) fn towards(&self, c: usize, base: P, ring: &Near<P>) -> Self {
         let mut out = self.turned(c);
         NODE.iter().for_each(|&at| out.set(at, out.get(at) - base));
         out.set_ring(ring);
         out
     }
 
-    fn set_ring(&mut self, ring: &Near) {
+    fn set_ring(&mut self, ring: &Near<P>) {
         self.set([0, 0], ring.v);
         for (i, d) in (-1..=2).zip([[0, -1], [1, 0], [1, 1], [0, 1]]) {
             self.set(d, ring.e(i));
@@ -87,12 +86,12 @@ impl Lattice {
     }
 
     /// The lattice around the child at corner 0 after another step; `ring` is the corner's ring after it.
-    pub(super) fn deeper(&self, ring: &Near) -> Self {
+    pub(super) fn deeper(&self, ring: &Near<P>) -> Self {
         let mut out = Self::ZERO;
         out.set_ring(ring);
         for [x, y] in [[1, 0], [1, 1]] {
             let v = self.get([x, y]);
-            let e: [P4; 6] = DIRECTIONS.map(|[dx, dy]| self.get([x + dx, y + dy]));
+            let e: [P; 6] = DIRECTIONS.map(|[dx, dy]| self.get([x + dx, y + dy]));
             out.set([2 * x, 2 * y], vertex_point(v, e));
             for (k, [dx, dy]) in DIRECTIONS.into_iter().enumerate() {
                 if [x + dx, y + dy] != [0, 0] {
@@ -105,7 +104,7 @@ impl Lattice {
     }
 
     /// Calls `out` with the points around the two middles next to corner `c`.
-    pub(super) fn each_around(&self, c: usize, mut out: impl FnMut(P4)) {
+    pub(super) fn each_around(&self, c: usize, mut out: impl FnMut(P)) {
         let turned = self.turned(c);
         NODE.iter().for_each(|&at| out(turned.get(at)));
     }

@@ -9,6 +9,7 @@
 
 mod basis;
 mod control;
+mod evaluate;
 mod fans;
 mod lattice;
 mod patch;
@@ -20,9 +21,11 @@ mod small;
 mod tensor;
 #[cfg(test)]
 mod tests;
+mod wide;
 
 pub(crate) use self::{
     control::{DescendTriangles, TriangleView},
+    evaluate::{TriangleEvaluator, TriangleRow, leaf},
     fans::{TriangleFans, TriangleMasks},
-    patch::TrianglePatch,
+    patch::{TriangleChannel, TrianglePatch},
 };

@@ -6,7 +6,7 @@
 //! own, so every face around a vertex gets the same bits for the same point.
 
 use super::super::basis::MAX_LEVEL;
-use super::super::point::P4;
+use super::super::point::{P4, Point};
 use crate::topology::{Fan, FanRule, NONE, Topology};
 
 /// The half-edge after `h` in its triangle.
@@ -23,13 +23,13 @@ pub(super) fn prev(h: u32) -> u32 {
 
 /// The next outgoing half-edge counter-clockwise, or [`NONE`].
 #[inline]
-fn rotate(t: &Topology, h: u32) -> u32 {
+pub(super) fn rotate(t: &Topology, h: u32) -> u32 {
     t.twin(prev(h))
 }
 
 /// The next outgoing half-edge clockwise, or [`NONE`].
 #[inline]
-fn rotate_back(t: &Topology, h: u32) -> u32 {
+pub(super) fn rotate_back(t: &Topology, h: u32) -> u32 {
     let twin = t.twin(h);
     if twin == NONE { NONE } else { next(twin) }
 }
@@ -54,43 +54,43 @@ pub(super) fn is_regular(fan: &Fan) -> bool {
 
 /// Point of edge a–b with c and d opposite.
 #[inline(always)]
-pub(super) fn edge_point(a: P4, b: P4, c: P4, d: P4) -> P4 {
+pub(super) fn edge_point<P: Point>(a: P, b: P, c: P, d: P) -> P {
     (a + b) * 0.375 + (c + d) * 0.125
 }
 
 /// Point of a vertex with six neighbours.
 #[inline(always)]
-pub(super) fn vertex_point(v: P4, e: [P4; 6]) -> P4 {
+pub(super) fn vertex_point<P: Point>(v: P, e: [P; 6]) -> P {
     v * 0.625 + (((e[0] + e[1]) + (e[2] + e[3])) + (e[4] + e[5])) * 0.0625
 }
 
 /// The point across edge p–q from r, where there is none.
 #[inline(always)]
-fn ghost(p: P4, q: P4, r: P4) -> P4 {
+pub(super) fn ghost<P: Point>(p: P, q: P, r: P) -> P {
     (p + q) - r
 }
 
 /// A regular vertex and its six neighbours from ring edge 0 on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hexagon {
-    pub(super) v: P4,
-    pub(super) e: [P4; 6],
+pub(super) struct Hexagon<P = P4> {
+    pub(super) v: P,
+    pub(super) e: [P; 6],
     /// Ring edge at which the fan's own order begins.
     first: usize,
     open: bool,
 }
 
-impl Hexagon {
+impl<P: Point> Hexagon<P> {
     pub(super) const EMPTY: Self = Self {
-        v: P4::ZERO,
-        e: [P4::ZERO; 6],
+        v: P::ZERO,
+        e: [P::ZERO; 6],
         first: 0,
         open: false,
     };
 
     /// The ring of the vertex that `h` leaves, which must be regular.
     pub(super) fn gather(t: &Topology, points: &[[f32; 3]], h: u32) -> Self {
-        let at = |g: u32| P4::new(points[t.vertex(g) as usize]);
+        let at = |g: u32| P::of(points[t.vertex(g) as usize]);
         let mut out = Self {
             v: at(h),
             ..Self::EMPTY
@@ -123,7 +123,7 @@ impl Hexagon {
             if g == NONE {
                 break;
             }
-            self.e[5 - (i - last)] = P4::new(points[t.vertex(next(g)) as usize]);
+            self.e[5 - (i - last)] = P::of(points[t.vertex(next(g)) as usize]);
         }
         self.first = (last + 3) % 6;
         let r = |k: usize| self.e[(self.first + k) % 6];
@@ -133,7 +133,7 @@ impl Hexagon {
     }
 
     /// The six neighbours from ring edge `s` on.
-    pub(super) fn from(&self, s: usize) -> [P4; 6] {
+    pub(super) fn from(&self, s: usize) -> [P; 6] {
         std::array::from_fn(|i| self.e[(s + i) % 6])
     }
 
@@ -153,7 +153,7 @@ impl Hexagon {
         }
     }
 
-    pub(super) fn near(&self) -> Near {
+    pub(super) fn near(&self) -> Near<P> {
         Near {
             v: self.v,
             e: [self.e[5], self.e[0], self.e[1], self.e[2]],
@@ -163,14 +163,14 @@ impl Hexagon {
 
 /// A vertex and its ring edges −1 to 2; ghosts stand beyond a boundary.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
-    pub(super) v: P4,
-    e: [P4; 4],
+pub(super) struct Near<P = P4> {
+    pub(super) v: P,
+    pub(super) e: [P; 4],
 }
 
-impl Near {
+impl<P: Point> Near<P> {
     /// The same points with `by` added.
-    pub(super) fn moved(&self, by: P4) -> Self {
+    pub(super) fn moved(&self, by: P) -> Self {
         Self {
             v: self.v + by,
             e: self.e.map(|p| p + by),
@@ -178,7 +178,7 @@ impl Near {
     }
     /// Ring edge `i`, −1 to 2.
     #[inline]
-    pub(super) fn e(&self, i: i32) -> P4 {
+    pub(super) fn e(&self, i: i32) -> P {
         self.e[(i + 1) as usize]
     }
 }

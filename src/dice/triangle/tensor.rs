@@ -11,7 +11,7 @@ pub(super) type Net12 = [P4; 12];
 pub(super) const TURN: [usize; 12] = [6, 9, 11, 2, 5, 8, 10, 1, 4, 7, 0, 3];
 
 /// The net with corner 1 as its corner 0.
-pub(super) fn turn(net: &Net12) -> Net12 {
+pub(super) fn turn<P: Copy>(net: &[P; 12]) -> [P; 12] {
     TURN.map(|k| net[k])
 }
 
