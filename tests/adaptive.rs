@@ -48,3 +48,21 @@ fn closed_models_have_as_many_fronts_as_backs_at_every_tolerance() {
     println!("adaptive: 0 of {samples} samples unequal, {covered} covered, {triangles} triangles");
     assert!(covered > 100_000);
 }
+
+#[test]
+fn triangles_are_as_close_to_the_surface_as_asked_for() {
+    for path in common::models(&common::assets()) {
+        let scene = common::load(&path);
+        for pixels in [0.25, 1.0] {
+            let mut renderer = coverage::renderer(512, 0);
+            renderer.refinement = Refinement::Adaptive(Flatness {
+                pixels,
+                ..Flatness::default()
+            });
+            for view in coverage::views(&scene, &renderer, 3, 11) {
+                let d = renderer.deviation(&scene, &view, 4).unwrap();
+                println!("{} at {pixels}: {d:?} rms {}", path.display(), d.rms());
+            }
+        }
+    }
+}

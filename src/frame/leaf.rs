@@ -94,6 +94,23 @@ pub(super) fn triangles(tessellation: &Tessellation) -> u64 {
     all.sum::<u64>() - tessellation.move_count() as u64
 }
 
+/// Parameters of a leaf's points, row by row, as they are drawn.
+pub(super) fn places(tessellation: &Tessellation, item: u32) -> Vec<[f32; 2]> {
+    let leaf = &tessellation.leaves[item as usize];
+    let n = (1_u32 << leaf.log) + 1;
+    let scale = |level: u8| 1.0 / (1_u32 << level) as f32;
+    let [x, y] = leaf.start.map(u32::from);
+    let all = (0..n).flat_map(|j| (0..n).map(move |i| [x + i, y + j]));
+    let mut out: Vec<[f32; 2]> = all
+        .map(|at| at.map(|k| k as f32 * scale(leaf.level)))
+        .collect();
+    for to in tessellation.moves(item as usize) {
+        let [i, j] = to.at.map(u32::from);
+        out[(j * n + i) as usize] = to.to.map(|k| f32::from(k) * scale(leaf.reach));
+    }
+    out
+}
+
 /// Points whose convex hull holds a leaf.
 pub(super) fn hull(
     surface: &Surface,

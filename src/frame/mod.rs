@@ -10,6 +10,8 @@
 #[doc(hidden)]
 pub mod coverage;
 mod cutout;
+#[doc(hidden)]
+pub mod deviation;
 mod leaf;
 mod level;
 mod scene;

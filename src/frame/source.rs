@@ -256,6 +256,20 @@ impl<'a> Source<'a> {
             .sum()
     }
 
+    /// The quad that a block shows, and the parameters of its points in it, row by row.
+    pub(super) fn places(&self, item: u32, [bu, bv]: [u32; 2]) -> (u32, Vec<[f32; 2]>) {
+        if let Some(t) = &self.tessellation {
+            return (t.leaves[item as usize].quad, leaf::places(t, item));
+        }
+        let size = self.block_size(item);
+        let scale = 1.0 / (1_u32 << self.quad_level()) as f32;
+        let at = |b: u32, n: usize, i: usize| (b as usize * (n - 1) + i) as f32 * scale;
+        let all = (0..size.rows).flat_map(|j| {
+            (0..size.cols).map(move |i| [at(bu, size.cols, i), at(bv, size.rows, j)])
+        });
+        (item, all.collect())
+    }
+
     fn prepare(&self, scratch: &mut SourceScratch, item: u32, sides: Sides) {
         let key = (self.first_item + item, sides);
         let ready = scratch

@@ -1,0 +1,189 @@
+//! How far what is drawn is from the limit surface on the screen: the drawn triangles against the surface at the same parameters. Tests and
+//! benchmarks hold adaptive tessellation against this, on the very blocks that pictures are made of.
+
+use super::source::{Attributes, Source, SourceScratch};
+use super::{Frame, RenderError, Renderer, Scene};
+use crate::camera::View;
+use crate::math;
+use crate::records::Grid3;
+use rayon::prelude::*;
+
+/// Largest distances of one view.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deviation {
+    /// Micro-triangles with an area.
+    pub triangles: u64,
+    /// Distance in pixels between a point of the surface and that of its triangle.
+    pub pixels: f32,
+    /// The same of blocks at the deepest level that was allowed.
+    pub capped: f32,
+    /// Angle in degrees between the normal of the surface and that interpolated in its triangle.
+    pub degrees: f32,
+    /// Sum of the squares of distances, and their number.
+    pub squares: (f64, u64),
+}
+
+impl Deviation {
+    fn add(&mut self, o: &Self) {
+        self.triangles += o.triangles;
+        self.pixels = self.pixels.max(o.pixels);
+        self.capped = self.capped.max(o.capped);
+        self.degrees = self.degrees.max(o.degrees);
+        self.squares.0 += o.squares.0;
+        self.squares.1 += o.squares.1;
+    }
+
+    /// Root of the mean square of the distances.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        (self.squares.0 / self.squares.1.max(1) as f64).sqrt()
+    }
+}
+
+impl Renderer {
+    /// Measures the drawn triangles of all surfaces of quads, at `steps` places along their sides and those between.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_view`].
+    pub fn deviation(
+        &self,
+        scene: &Scene,
+        view: &View,
+        steps: u32,
+    ) -> Result<Deviation, RenderError> {
+        let cap = match self.refinement {
+            super::Refinement::Adaptive(f) => f.max_level,
+            _ => u32::MAX,
+        };
+        self.with_frame(scene, view, |frame, _| {
+            let items: u32 = frame.sources.iter().map(Source::item_count).sum();
+            let all = (0..items).into_par_iter().map_init(
+                || Worker {
+                    scratch: SourceScratch::new(frame.simd),
+                    points: Grid3::boxed(),
+                    attributes: Attributes::default(),
+                },
+                |worker, item| worker.item(frame, item, steps, cap),
+            );
+            let all: Vec<Deviation> = all.collect();
+            let mut sum = Deviation::default();
+            all.iter().for_each(|d| sum.add(d));
+            Ok(sum)
+        })
+    }
+}
+
+struct Worker {
+    scratch: SourceScratch,
+    points: Box<Grid3>,
+    attributes: Attributes,
+}
+
+impl Worker {
+    fn item(&mut self, frame: &Frame<'_>, item: u32, steps: u32, cap: u32) -> Deviation {
+        let mut out = Deviation::default();
+        let source = frame.source_of(item);
+        let local = item - source.first_item;
+        if !source.is_drawn(local) || !source.object.surface.has_quads() {
+            return out;
+        }
+        let capped = source.level(local) >= cap;
+        let [nu, nv] = source.blocks(local);
+        for block in (0..nu * nv).map(|b| [b % nu, b / nu]) {
+            let a = Some(&mut self.attributes);
+            source.dice(&mut self.scratch, local, block, &mut self.points, a);
+            let size = source.block_size(local);
+            let (quad, places) = source.places(local, block);
+            let place = |i: usize, j: usize| places[j * size.cols + i];
+            for j in 0..size.rows - 1 {
+                for i in 0..size.cols - 1 {
+                    for half in [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]] {
+                        let at = half.map(|(a, b)| (i + a, j + b));
+                        let corners = at.map(|(i, j)| place(i, j));
+                        if area(corners) == 0.0 {
+                            continue;
+                        }
+                        let triangle = Triangle {
+                            places: corners,
+                            points: at.map(|(i, j)| self.points.get(i, j)),
+                            normals: at.map(|(i, j)| self.attributes.normals.get(i, j)),
+                        };
+                        triangle.measure(frame, source, quad, steps, &mut out);
+                    }
+                }
+            }
+        }
+        if capped {
+            out.capped = out.pixels;
+            out.pixels = 0.0;
+        }
+        out
+    }
+}
+
+/// Twice the area in parameters.
+fn area([a, b, c]: [[f32; 2]; 3]) -> f32 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+struct Triangle {
+    places: [[f32; 2]; 3],
+    points: [[f32; 3]; 3],
+    normals: [[f32; 3]; 3],
+}
+
+impl Triangle {
+    fn measure(
+        &self,
+        frame: &Frame<'_>,
+        source: &Source<'_>,
+        quad: u32,
+        steps: u32,
+        out: &mut Deviation,
+    ) {
+        out.triangles += 1;
+        let view = &frame.view;
+        let screen = |p: [f32; 3]| {
+            let e = math::sub(p, view.eye);
+            let z = view.distance(p);
+            let scale = if view.projection.ortho {
+                view.scale
+            } else if z >= view.near {
+                view.scale / z
+            } else {
+                return None;
+            };
+            Some([
+                math::dot(view.right, e) * scale,
+                math::dot(view.up, e) * scale,
+            ])
+        };
+        for a in 0..=steps {
+            for b in 0..=steps - a {
+                let w = [a, b, steps - a - b].map(|k| k as f32 / steps as f32);
+                let mix = |v: [[f32; 3]; 3]| {
+                    [0, 1, 2].map(|k| w[0] * v[0][k] + w[1] * v[1][k] + w[2] * v[2][k])
+                };
+                let [u, v] = [0, 1].map(|k| {
+                    let sum = (0..3).map(|c| w[c] * self.places[c][k]).sum::<f32>();
+                    sum.clamp(0.0, 1.0)
+                });
+                let (p, n) = (mix(self.points), mix(self.normals));
+                let Some(sample) = source.object.surface.evaluate_quad(quad, u, v) else {
+                    continue;
+                };
+                if let (Some(p), Some(q)) = (screen(p), screen(sample.position)) {
+                    let square = (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
+                    out.pixels = out.pixels.max(square.sqrt());
+                    out.squares.0 += f64::from(square);
+                    out.squares.1 += 1;
+                }
+                if let Some(n) = math::normalize(n) {
+                    let cross = math::length(math::cross(n, sample.normal));
+                    let angle = libm::atan2f(cross, math::dot(n, sample.normal));
+                    out.degrees = out.degrees.max(angle.to_degrees());
+                }
+            }
+        }
+    }
+}
