@@ -50,6 +50,21 @@ impl Random {
     }
 }
 
+/// The nearest place below that interpolating surfaces know.
+fn known(surface: &Surface, place: Place) -> Place {
+    if !surface.scheme().is_interpolating() {
+        return place;
+    }
+    let [mut u, mut v] = [place.u, place.v].map(|x| (x * 1024.0).floor() / 1024.0);
+    if surface.is_triangular() {
+        u = u.fract();
+        if u + v > 1.0 {
+            (u, v) = (1.0 - u, 1.0 - v);
+        }
+    }
+    Place { u, v, ..place }
+}
+
 pub(super) fn evaluate(job: &Job, a: &Arguments, scene: &mut Scene) -> Result<Outcome, Failure> {
     let limits = job.limits();
     let mut rows = Vec::new();
@@ -83,7 +98,9 @@ pub(super) fn evaluate(job: &Job, a: &Arguments, scene: &mut Scene) -> Result<Ou
             limits.check()?;
             let surface = &object.surface;
             let share = places * grid_points(surface) / points.max(1);
-            let list: Vec<Place> = (0..share).map(|_| random.place(surface)).collect();
+            let list: Vec<Place> = (0..share)
+                .map(|_| known(surface, random.place(surface)))
+                .collect();
             let mut out = vec![Tangents::default(); list.len()];
 
             let clock = Clock::now();
