@@ -52,6 +52,9 @@ fn closed_models_have_as_many_fronts_as_backs_at_every_tolerance() {
 #[test]
 fn triangles_are_as_close_to_the_surface_as_asked_for() {
     for path in common::models(&common::assets()) {
+        if std::env::var("ONLY").is_ok_and(|o| !path.display().to_string().contains(&o)) {
+            continue;
+        }
         let scene = common::load(&path);
         for pixels in [0.25, 1.0] {
             let mut renderer = coverage::renderer(512, 0);
@@ -60,7 +63,7 @@ fn triangles_are_as_close_to_the_surface_as_asked_for() {
                 ..Flatness::default()
             });
             for view in coverage::views(&scene, &renderer, 3, 11) {
-                let d = renderer.deviation(&scene, &view, 4).unwrap();
+                let d = renderer.deviation(&scene, &view, 2).unwrap();
                 println!("{} at {pixels}: {d:?} rms {}", path.display(), d.rms());
             }
         }

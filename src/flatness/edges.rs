@@ -1,8 +1,10 @@
-//! Which segments of each cage edge are split: from the edge's own samples, at its first face, once.
+//! Which segments of each cage edge are split: from the edge's own samples, and from what its faces need beside it, once.
 //!
 //! A chord is held against samples a quarter of it apart (a half, at the last levels). Those of a cubic curve tell its distance exactly
 //! but for the place of its extremes; c-shaped and s-shaped curves are seen alike.
 
+use super::faces::{Needs, runs_back};
+use super::quadtree::ask;
 use super::screen::{Excess, Metric};
 use super::tree::{Forest, Splits};
 use crate::dice::MAX_LEVEL;
@@ -11,6 +13,7 @@ use crate::limits::{LimitError, Limits};
 use crate::math;
 use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
+use crate::topology::{NONE, Topology};
 use rayon::prelude::*;
 
 /// Levels that edges are sampled at, one after the other while they last.
@@ -30,6 +33,7 @@ struct Line {
 pub(super) fn trees(
     surface: &Surface,
     metric: &Metric<'_>,
+    needs: &Needs,
     limits: &Limits,
 ) -> Result<Forest, LimitError> {
     let quads = surface.quads();
@@ -42,7 +46,7 @@ pub(super) fn trees(
                 limits.check()?;
                 let mut out = Vec::new();
                 for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
-                    face(surface, metric, patch, line, q as u32, &mut out);
+                    face(surface, metric, needs, patch, line, q as u32, &mut out);
                 }
                 Ok(out)
             },
@@ -60,17 +64,19 @@ pub(super) fn trees(
 fn face(
     surface: &Surface,
     metric: &Metric<'_>,
+    needs: &Needs,
     patch: &mut QuadPatch,
     line: &mut Line,
     q: u32,
     out: &mut Vec<(u32, Splits)>,
 ) {
     let quads = surface.quads();
-    let own = [0, 1, 2, 3].map(|c| {
+    // Edges that are not drawn need no tree.
+    let mut open = [0, 1, 2, 3].map(|c| {
         let h = 4 * q + c;
-        quads.edge_half(quads.edge(h)) == h
+        let mut faces = halves(quads, h).map(|h| h / 4);
+        quads.edge_half(quads.edge(h)) == h && faces.any(|q| needs.drawn[q as usize])
     });
-    let mut open = own;
     let mut splits = [const { None::<Splits> }; 4];
     for level in LEVELS {
         if open == [false; 4] {
@@ -86,11 +92,22 @@ fn face(
             }
         }
     }
-    for (c, splits) in splits.into_iter().enumerate() {
-        if let Some(splits) = splits.filter(|s| s.depth > 0) {
-            out.push((quads.edge(4 * q + c as u32), splits));
+    for (h, splits) in (4 * q..).zip(splits) {
+        let Some(mut splits) = splits else { continue };
+        for h in halves(quads, h) {
+            let nodes = needs.nodes(h / 4);
+            ask(nodes, h as usize % 4, runs_back(quads, h), &mut splits);
+        }
+        if splits.depth > 0 {
+            out.push((quads.edge(h), splits));
         }
     }
+}
+
+/// Half-edges of an edge: `h` and its twin.
+fn halves(quads: &Topology, h: u32) -> impl Iterator<Item = u32> {
+    let twin = Some(quads.twin(h)).filter(|&t| t != NONE);
+    std::iter::once(h).chain(twin)
 }
 
 impl Line {

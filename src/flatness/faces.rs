@@ -7,11 +7,12 @@ use super::screen::Metric;
 use super::tree::Forest;
 use super::{Leaf, Move, Tessellation};
 use crate::dice::MAX_LEVEL;
-use crate::dice::face::{Part, Sides};
+use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
 use crate::records::Grid3;
 use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
+use crate::topology::{NONE, Topology};
 use rayon::prelude::*;
 
 /// What a block costs beside its micro-quads, in micro-quads.
@@ -23,29 +24,117 @@ const RESAMPLED: u32 = 3;
 /// Need of a square whose samples do not tell.
 const DEEPER: u32 = MAX_LOG + 1;
 
-/// The blocks of all faces for which `is_drawn`; it gets the quad and points whose hull holds it.
-pub(super) fn tessellate(
+/// What the surface needs inside of the faces of a chunk: quadtrees one after the other.
+#[derive(Clone, Debug, Default)]
+struct Part {
+    /// Where the tree of each face ends.
+    ends: Vec<u32>,
+    nodes: Vec<Node>,
+}
+
+/// Quadtrees of all faces that are drawn or lie beside one, before edges are heard.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Needs {
+    pub(super) drawn: Vec<bool>,
+    parts: Vec<Part>,
+}
+
+impl Needs {
+    /// Nodes of face `q`; none where it is far from what is drawn.
+    pub(super) fn nodes(&self, q: u32) -> &[Node] {
+        let (part, i) = (&self.parts[q as usize / CHUNK], q as usize % CHUNK);
+        let first = if i == 0 { 0 } else { part.ends[i - 1] };
+        &part.nodes[first as usize..part.ends[i] as usize]
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        let parts = self.parts.iter();
+        parts.map(|p| p.nodes.len() * size_of::<Node>()).sum()
+    }
+}
+
+/// Says which faces `is_drawn` (it gets the quad and points whose hull holds it) and finds what those and their neighbours need.
+pub(super) fn needs(
     surface: &Surface,
     metric: &Metric<'_>,
-    trees: &Forest,
     limits: &Limits,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
-) -> Result<Tessellation, LimitError> {
-    let faces = surface.quads().face_count();
-    let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
+) -> Result<Needs, LimitError> {
+    let quads = surface.quads();
+    let faces = quads.face_count();
+    let mut drawn = vec![false; faces];
+    drawn.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
+        || (QuadPatch::for_level(Level::detect()), Vec::new()),
+        |(patch, hull), (k, drawn)| {
+            limits.check()?;
+            for (i, drawn) in drawn.iter_mut().enumerate() {
+                let q = (k * CHUNK + i) as u32;
+                hull.clear();
+                patch.prepare_points(surface, q, MAX_LEVEL, None, Sides::Hull);
+                patch.hull(|p| hull.push(p));
+                *drawn = is_drawn(q, hull);
+            }
+            Ok(())
+        },
+    )?;
+    // An edge asks both of its faces, whichever is drawn: what is outside of the picture must not change what is inside.
+    let near = |q: usize| {
+        drawn[q]
+            || (4 * q..4 * q + 4).any(|h| {
+                let twin = quads.twin(h as u32);
+                twin != NONE && drawn[twin as usize / 4]
+            })
+    };
+    let parts = (0..faces.div_ceil(CHUNK))
         .into_par_iter()
         .map_init(
             || Worker::new(surface, metric),
             |worker, k| {
                 limits.check()?;
-                let mut out = Tessellation::default();
+                let mut out = Part::default();
                 for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
-                    worker.face(trees, q as u32, &is_drawn, &mut out);
+                    if near(q) {
+                        worker.face(q as u32);
+                        out.nodes.extend_from_slice(&worker.tree.nodes);
+                    }
+                    out.ends.push(out.nodes.len() as u32);
                 }
-                limits.memory("the blocks of the tessellation", out.bytes() as u128)?;
+                limits.memory(
+                    "the blocks of the tessellation",
+                    out.nodes.len() as u128 * 12,
+                )?;
                 Ok(out)
             },
         )
+        .collect::<Result<_, LimitError>>()?;
+    let needs = Needs { drawn, parts };
+    limits.memory("the blocks of the tessellation", needs.bytes() as u128)?;
+    Ok(needs)
+}
+
+/// The blocks of all faces that are drawn.
+pub(super) fn blocks(
+    surface: &Surface,
+    needs: &Needs,
+    trees: &Forest,
+    limits: &Limits,
+) -> Result<Tessellation, LimitError> {
+    let faces = surface.quads().face_count();
+    let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
+        .into_par_iter()
+        .map_init(Quadtree::new, |tree, k| {
+            limits.check()?;
+            let mut out = Tessellation::default();
+            for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
+                if needs.drawn[q] {
+                    tree.nodes.clear();
+                    tree.nodes.extend_from_slice(needs.nodes(q as u32));
+                    face_blocks(surface, tree, trees, q as u32, &mut out);
+                }
+            }
+            limits.memory("the blocks of the tessellation", out.bytes() as u128)?;
+            Ok(out)
+        })
         .collect::<Result<_, LimitError>>()?;
     let bytes: usize = parts.iter().map(Tessellation::bytes).sum();
     limits.memory("the blocks of the tessellation", 2 * bytes as u128)?;
@@ -54,6 +143,42 @@ pub(super) fn tessellate(
         out.append(part);
     }
     Ok(out)
+}
+
+fn face_blocks(
+    surface: &Surface,
+    tree: &mut Quadtree,
+    trees: &Forest,
+    q: u32,
+    out: &mut Tessellation,
+) {
+    let quads = surface.quads();
+    let sides = [0, 1, 2, 3].map(|c| Side {
+        tree: trees.get(quads.edge(4 * q + c)),
+        reversed: runs_back(quads, 4 * q + c),
+    });
+    tree.balance(&sides);
+    let edges = sides.iter().map(|s| s.tree.depth()).max().unwrap_or(0);
+    let reach = tree.deepest().max(edges);
+    let moves = &mut out.moves;
+    for node in tree.nodes.iter().filter(|n| n.is_leaf()) {
+        rim(tree, node, &sides, reach, moves);
+        let log = node.level() - node.depth();
+        out.leaves.push(Leaf {
+            quad: q,
+            reach: reach as u8,
+            level: node.level() as u8,
+            log: log as u8,
+            start: node.place().map(|k| (k << log) as u16),
+            moves_end: moves.len() as u32,
+        });
+    }
+}
+
+/// Whether half-edge `h` runs against its edge's first one.
+pub(super) fn runs_back(quads: &Topology, h: u32) -> bool {
+    let first = quads.edge_half(quads.edge(h));
+    quads.vertex(first) != quads.vertex(h)
 }
 
 /// Buffers of one thread.
@@ -66,14 +191,13 @@ struct Worker<'a> {
     points: Box<Grid3>,
     normals: Box<Grid3>,
     tree: Quadtree,
-    hull: Vec<[f32; 3]>,
 }
 
 /// Levels below a sampled square that its parts need, depth by depth.
 #[derive(Default)]
-struct Needs(Vec<u8>);
+struct Levels(Vec<u8>);
 
-impl Needs {
+impl Levels {
     fn index(depth: u32, x: u32, y: u32) -> usize {
         ((4_usize.pow(depth) - 1) / 3) + ((y as usize) << depth) + x as usize
     }
@@ -135,58 +259,19 @@ impl<'a> Worker<'a> {
             points: Grid3::boxed(),
             normals: Grid3::boxed(),
             tree: Quadtree::new(),
-            hull: Vec::new(),
         }
     }
 
-    fn face(
-        &mut self,
-        trees: &Forest,
-        q: u32,
-        is_drawn: &impl Fn(u32, &mut Vec<[f32; 3]>) -> bool,
-        out: &mut Tessellation,
-    ) {
-        self.hull.clear();
-        self.patch
-            .prepare_points(self.surface, q, MAX_LEVEL, None, Sides::Hull);
-        self.patch.hull(|p| self.hull.push(p));
-        if !is_drawn(q, &mut self.hull) {
-            return;
-        }
+    /// Leaves in `tree` what face `q` needs.
+    fn face(&mut self, q: u32) {
         self.tree.clear();
         self.prepared = 0;
         self.grow(q, 0, 2);
-        let quads = self.surface.quads();
-        let sides = [0, 1, 2, 3].map(|c| {
-            let h = 4 * q + c;
-            let edge = quads.edge(h);
-            let first = quads.edge_half(edge);
-            Side {
-                tree: trees.get(edge),
-                reversed: quads.vertex(first) != quads.vertex(h),
-            }
-        });
-        self.tree.balance(&sides);
-        let edges = sides.iter().map(|s| s.tree.depth()).max().unwrap_or(0);
-        let reach = self.tree.deepest().max(edges);
-        let moves = &mut out.moves;
-        for node in self.tree.nodes.iter().filter(|n| n.is_leaf()) {
-            rim(&self.tree, node, &sides, reach, moves);
-            let log = node.level - node.depth;
-            out.leaves.push(Leaf {
-                quad: q,
-                reach: reach as u8,
-                level: node.level as u8,
-                log: log as u8,
-                start: node.place.map(|k| (k << log) as u16),
-                moves_end: moves.len() as u32,
-            });
-        }
     }
 
     /// Samples leaf `node` by `2^log` segments and cuts it up as far as it needs.
     fn grow(&mut self, q: u32, node: usize, log: u32) {
-        let Node { depth, place, .. } = self.tree.nodes[node];
+        let (depth, place) = (self.tree.nodes[node].depth(), self.tree.nodes[node].place());
         let log = log.min(MAX_LEVEL - depth);
         let level = depth + log;
         if self.prepared < level {
@@ -194,7 +279,7 @@ impl<'a> Worker<'a> {
                 .prepare_points(self.surface, q, level, None, Sides::Normals);
             self.prepared = level;
         }
-        let part = Part {
+        let part = Square {
             level,
             start: place.map(|k| k << log),
             segments: 1 << log,
@@ -207,7 +292,7 @@ impl<'a> Worker<'a> {
             log,
         };
         let cap = self.metric.max_level.saturating_sub(depth);
-        let mut needs = Needs::default();
+        let mut needs = Levels::default();
         let need = needs.find(&samples, self.metric, cap, [0, 0, 0]);
         // A few samples tell enough of what needs next to nothing.
         if log < MAX_LOG && need + 1 > log && depth + log < MAX_LEVEL {
@@ -216,12 +301,12 @@ impl<'a> Worker<'a> {
         self.cut(q, node, &needs, [0, 0, 0]);
     }
 
-    fn cut(&mut self, q: u32, node: usize, needs: &Needs, [depth, x, y]: [u32; 3]) {
+    fn cut(&mut self, q: u32, node: usize, needs: &Levels, [depth, x, y]: [u32; 3]) {
         let need = needs.get(depth, x, y);
         let whole = (1 << (2 * (need - depth))) + OVERHEAD;
         if need < DEEPER && needs.cost(depth, x, y) >= whole {
-            let own = self.tree.nodes[node].depth;
-            self.tree.nodes[node].level = own + (need - depth);
+            let own = self.tree.nodes[node].depth();
+            self.tree.set_need(node, own + (need - depth));
             return;
         }
         if depth >= RESAMPLED {
@@ -237,10 +322,10 @@ impl<'a> Worker<'a> {
 
 /// The moves of a leaf's rim.
 fn rim(tree: &Quadtree, leaf: &Node, sides: &[Side<'_>; 4], reach: u32, out: &mut Vec<Move>) {
-    let log = leaf.level - leaf.depth;
+    let log = leaf.level() - leaf.depth();
     let n = 1_u32 << log;
-    let start = leaf.place.map(|k| k << log);
-    let up = reach - leaf.level;
+    let start = leaf.place().map(|k| k << log);
+    let up = reach - leaf.level();
     for c in 0..4 {
         for k in 0..n {
             let [i, j] = match c {

@@ -2,9 +2,9 @@
 //!
 //! Squares at a line inside of the face show the points of the coarser of the two. So that what moves stays within its square and triangles
 //! beside the line are not drawn out, levels of neighbours differ by one at most, and the corners of a square are points of its neighbours
-//! ([`Quadtree::balance`]). Along sides of the face the points are those of the edge's tree, however few.
+//! ([`Quadtree::balance`]). Along sides of the face the points are those of the edge's tree.
 
-use super::tree::Tree;
+use super::tree::{Splits, Tree};
 use crate::dice::MAX_LEVEL;
 
 /// Micro-quads along the side of a leaf, as a power of two.
@@ -16,41 +16,60 @@ const FULL: u32 = 1 << MAX_LEVEL;
 /// A square of a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    pub(super) depth: u32,
+    depth: u8,
+    /// Level that the surface in it needs, and that of its micro-quads; of leaves.
+    need: u8,
+    level: u8,
     /// Column and row among the `2^depth` by `2^depth` squares.
-    pub(super) place: [u32; 2],
-    /// Level of its micro-quads, if it is a leaf.
-    pub(super) level: u32,
+    place: [u16; 2],
     /// First of four children, 0 for a leaf.
     children: u32,
 }
 
-/// Sides of a face: trees of the edges, and whether the edge runs against the side.
+/// A side of a face: the tree of its edge, and whether the edge runs against the side.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Side<'a> {
     pub(super) tree: Tree<'a>,
     pub(super) reversed: bool,
 }
 
+/// The root is the first node.
 #[derive(Clone, Debug)]
 pub(super) struct Quadtree {
     pub(super) nodes: Vec<Node>,
 }
 
 impl Node {
+    const ROOT: Self = Self {
+        depth: 0,
+        need: 0,
+        level: 0,
+        place: [0, 0],
+        children: 0,
+    };
+
     pub(super) fn is_leaf(&self) -> bool {
         self.children == 0
+    }
+    pub(super) fn depth(&self) -> u32 {
+        u32::from(self.depth)
+    }
+    pub(super) fn level(&self) -> u32 {
+        u32::from(self.level)
+    }
+    pub(super) fn place(&self) -> [u32; 2] {
+        self.place.map(u32::from)
     }
     /// Its box: low and high corner.
     fn bounds(&self) -> [[u32; 2]; 2] {
         let size = FULL >> self.depth;
-        let low = self.place.map(|k| k * size);
+        let low = self.place().map(|k| k * size);
         [low, low.map(|k| k + size)]
     }
     /// Number of the segment along side `c` of the face among the `2^depth` of it, if the square lies there.
     fn segment(&self, c: usize) -> Option<u32> {
         let last = (1 << self.depth) - 1;
-        let [x, y] = self.place;
+        let [x, y] = self.place();
         match c {
             0 => (y == 0).then_some(x),
             1 => (x == last).then_some(y),
@@ -60,15 +79,18 @@ impl Node {
     }
 }
 
+fn turned(reversed: bool, depth: u32, segment: u32) -> u32 {
+    if reversed {
+        (1 << depth) - 1 - segment
+    } else {
+        segment
+    }
+}
+
 impl Side<'_> {
     fn deepest(&self, depth: u32, segment: u32) -> u32 {
-        let last = (1 << depth) - 1;
-        let place = if self.reversed {
-            last - segment
-        } else {
-            segment
-        };
-        self.tree.deepest(depth, place)
+        self.tree
+            .deepest(depth, turned(self.reversed, depth, segment))
     }
     fn nearest(&self, level: u32, t: u32) -> u32 {
         let n = 1 << level;
@@ -77,34 +99,55 @@ impl Side<'_> {
     }
 }
 
+/// Adds to the splits of an edge what the leaves of a face at its side `c` ask for: points twice as far apart as their own, so that
+/// triangles beside the edge are not drawn out.
+pub(super) fn ask(nodes: &[Node], c: usize, reversed: bool, splits: &mut Splits) {
+    for leaf in nodes.iter().filter(|n| n.is_leaf()) {
+        if let Some(segment) = leaf.segment(c) {
+            let (depth, level) = (leaf.depth(), u32::from(leaf.need.saturating_sub(1)));
+            let place = turned(reversed, depth, segment);
+            for d in 0..level {
+                if d <= depth {
+                    splits.split((1 << d) + (place >> (depth - d)) as usize);
+                } else {
+                    let first = (1_usize << d) + ((place as usize) << (d - depth));
+                    (first..first + (1 << (d - depth))).for_each(|node| splits.split(node));
+                }
+            }
+        }
+    }
+}
+
 impl Quadtree {
+    pub(super) fn new() -> Self {
+        Self {
+            nodes: vec![Node::ROOT],
+        }
+    }
+
     pub(super) fn clear(&mut self) {
         self.nodes.clear();
-        self.nodes.push(Node {
-            depth: 0,
-            place: [0, 0],
-            level: 0,
-            children: 0,
-        });
+        self.nodes.push(Node::ROOT);
     }
 
-    pub(super) fn new() -> Self {
-        let mut new = Self { nodes: Vec::new() };
-        new.clear();
-        new
+    /// Says what a leaf needs.
+    pub(super) fn set_need(&mut self, node: usize, level: u32) {
+        self.nodes[node].need = level as u8;
+        self.nodes[node].level = level as u8;
     }
 
-    /// Splits a leaf; children are of its level.
+    /// Splits a leaf into four that need the same.
     pub(super) fn split(&mut self, node: usize) -> usize {
         let parent = self.nodes[node];
         let first = self.nodes.len();
-        for k in 0..4 {
+        let depth = parent.depth + 1;
+        for k in 0..4_u16 {
             let [x, y] = parent.place;
-            let depth = parent.depth + 1;
             self.nodes.push(Node {
                 depth,
+                need: parent.need.max(depth),
+                level: parent.need.max(depth),
                 place: [2 * x + (k & 1), 2 * y + (k >> 1)],
-                level: parent.level.max(depth),
                 children: 0,
             });
         }
@@ -155,11 +198,13 @@ impl Quadtree {
                 let node = self.nodes[i];
                 if node.is_leaf() {
                     let level = self.wanted(&node, sides);
-                    if level > node.depth + MAX_LOG {
+                    // Far more than it needs is wanted along a side only: better of the part that lies there.
+                    let much = level > u32::from(node.need) + 1 && level > node.depth() + 2;
+                    if level > node.depth() + MAX_LOG || much {
                         self.split(i);
                         changed = true;
-                    } else if level > node.level {
-                        self.nodes[i].level = level;
+                    } else if level > node.level() {
+                        self.nodes[i].level = level as u8;
                         changed = true;
                     }
                 }
@@ -169,13 +214,15 @@ impl Quadtree {
     }
 
     fn wanted(&self, node: &Node, sides: &[Side<'_>; 4]) -> u32 {
-        let mut level = node.level;
+        let mut level = node.level();
         for (c, side) in sides.iter().enumerate() {
             if let Some(segment) = node.segment(c) {
-                level = level.max(side.deepest(node.depth, segment));
+                level = level.max(side.deepest(node.depth(), segment));
             } else if let Some(beyond) = Self::beyond(node, c) {
                 self.overlapping(0, beyond, &mut |other| {
-                    level = level.max(other.depth).max(other.level.saturating_sub(1));
+                    level = level
+                        .max(other.depth())
+                        .max(other.level().saturating_sub(1));
                 });
             }
         }
@@ -185,7 +232,7 @@ impl Quadtree {
     /// Level of the deepest leaf.
     pub(super) fn deepest(&self) -> u32 {
         let leaves = self.nodes.iter().filter(|n| n.is_leaf());
-        leaves.map(|n| n.level).max().unwrap_or(0)
+        leaves.map(Node::level).max().unwrap_or(0)
     }
 
     /// Where the point (`x`, `y`) of a leaf's grid of its level is drawn: itself, or the nearest that both sides of its line have. The point
@@ -197,42 +244,38 @@ impl Quadtree {
         c: usize,
         at: [u32; 2],
     ) -> [u32; 2] {
-        let n = 1_u32 << leaf.level;
+        let level = leaf.level();
         if leaf.segment(c).is_some() {
-            return on_side(sides, c, leaf.level, at);
+            return on_side(sides, c, level, at);
         }
         // Along a line inside of the face. Ends of the leaf's side are points of both.
         let along = usize::from(c % 2 == 1);
-        let size = 1 << (leaf.level - leaf.depth);
+        let size = 1 << (level - leaf.depth());
         let mut at = at;
         if at[along] % size != 0 {
-            let unit = FULL >> leaf.level;
+            let unit = FULL >> level;
             if let Some([mut low, mut high]) = Self::beyond(leaf, c) {
                 // What lies beyond the point, on both sides of it.
                 (low[along], high[along]) = (at[along] * unit - 1, at[along] * unit + 1);
-                let mut level = leaf.level;
-                let mut corner = false;
+                let (mut coarse, mut corner) = (level, false);
                 self.overlapping(0, [low, high], &mut |other| {
-                    level = level.min(other.level);
+                    coarse = coarse.min(other.level());
                     let [from, to] = other.bounds();
                     corner |= [from, to].iter().any(|b| b[along] == at[along] * unit);
                 });
-                let step = 1 << (leaf.level - level);
+                let step = 1 << (level - coarse);
                 if !corner && at[along] % step != 0 {
                     at[along] = (at[along] + (step - 1) / 2) / step * step;
                 }
             }
         }
         // It may have come to a side of the face.
-        for (side, on) in [at[1] == 0, at[0] == n, at[1] == n, at[0] == 0]
-            .into_iter()
-            .enumerate()
-        {
-            if on {
-                return on_side(sides, side, leaf.level, at);
-            }
+        let n = 1_u32 << level;
+        let ends = [at[1] == 0, at[0] == n, at[1] == n, at[0] == 0];
+        match ends.iter().position(|&on| on) {
+            Some(side) => on_side(sides, side, level, at),
+            None => at,
         }
-        at
     }
 }
 
