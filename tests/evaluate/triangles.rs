@@ -404,6 +404,11 @@ fn places_beside_the_triangle_have_no_sample() {
     assert!(face.grid(4, &mut [[0.0; 3]; 25]).is_err());
     assert!(face.grid::<[f32; 3]>(0, &mut []).is_err());
     // Sums that are 1 by rounding are on the side.
+    let near = 1.0 - 0.5 * f32::EPSILON;
+    assert_eq!(
+        face.at(near, f32::EPSILON),
+        face.at(near, 0.5 * f32::EPSILON)
+    );
     for (u, v) in [
         (0.1, 0.9),
         (0.3, 0.7),
