@@ -395,7 +395,7 @@ fn bad_arguments_have_no_sample() {
     assert!(face.grid::<[f32; 3]>(0, &mut []).is_err());
     let error = surface.evaluate_many(&[Place::default()], &mut [[0.0; 3]; 2]);
     assert_eq!(error, Err(EvaluateError::WrongCount { got: 2, wanted: 1 }));
-    // Interpolating surfaces are no patches.
+    // Interpolating surfaces are known at dyadic places alone.
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let butterfly = SurfaceOptions {
         scheme: Some(Scheme::Butterfly),
@@ -403,9 +403,15 @@ fn bad_arguments_have_no_sample() {
     };
     let cage = Cage::new(points, &[3], vec![0, 1, 2]).unwrap();
     let butterfly = Surface::new(cage, &butterfly);
-    assert!(butterfly.evaluate(0, 0.2, 0.2).is_none() && butterfly.face_evaluator(0).is_none());
-    let error = butterfly.evaluate_many(&[Place::default()], &mut [[0.0; 3]]);
-    assert_eq!(error, Err(EvaluateError::Scheme));
+    assert!(
+        butterfly.evaluate(0, 0.2, 0.2).is_none() && butterfly.evaluate(0, 0.25, 0.5).is_some()
+    );
+    let place = Place {
+        u: 0.2,
+        ..Place::default()
+    };
+    let error = butterfly.evaluate_many(&[place], &mut [[0.0; 3]]);
+    assert_eq!(error, Err(EvaluateError::NotDyadic { index: 0 }));
     // Polygons: u from 0 to the number of corners.
     let triangles = surface_of(&smooth(gem()), EDGES);
     assert!(

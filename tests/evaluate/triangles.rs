@@ -12,7 +12,6 @@ use earmark::{Cage, Surface, SurfaceOptions};
 #[track_caller]
 fn compare(shape: &Shape, boundary: Boundary, depth: u32) {
     let e = errors(shape, boundary, depth);
-    println!("{e:?}");
     assert!(e.checked > 0, "derivatives were compared");
     assert!(e.point <= 1e-6 && e.slope <= 1e-5, "{e:?}");
     assert!(e.bend <= 1e-4 && e.normal <= 2e-5, "{e:?}");
@@ -82,7 +81,7 @@ fn random(index: u64) -> (Surface, RandomCage) {
 
 #[test]
 fn random_cages_agree_with_deep_refinement() {
-    let (mut worst, mut seams) = ([0.0_f64; 2], 0);
+    let mut seams = 0;
     for index in 0..72 {
         let (surface, random) = random(index);
         let base = base_level(&random.shape, &random.case);
@@ -90,10 +89,8 @@ fn random_cages_agree_with_deep_refinement() {
         // Where creases fade, control levels are of single precision.
         assert!(e.point <= 1e-6 && e.slope <= 3e-5, "{index}: {e:?}");
         assert!(e.uv <= 2e-6, "{index}: {e:?}");
-        worst = [worst[0].max(e.slope), worst[1].max(e.point)];
         seams += usize::from(e.uv > 0.0);
     }
-    println!("{worst:?} {seams}");
     assert!(seams > 30);
 }
 
@@ -404,6 +401,11 @@ fn places_beside_the_triangle_have_no_sample() {
     assert!(face.grid(4, &mut [[0.0; 3]; 25]).is_err());
     assert!(face.grid::<[f32; 3]>(0, &mut []).is_err());
     // Sums that are 1 by rounding are on the side.
+    let near = 1.0 - 0.5 * f32::EPSILON;
+    assert_eq!(
+        face.at(near, f32::EPSILON),
+        face.at(near, 0.5 * f32::EPSILON)
+    );
     for (u, v) in [
         (0.1, 0.9),
         (0.3, 0.7),
