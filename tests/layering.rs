@@ -51,11 +51,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("stream", &["records", "dice", "surface"]),
     ("files", &["mesh", "texture", "film", "limits"]),
     (
+        "flatness",
+        &[
+            "math", "simd", "records", "limits", "camera", "topology", "dice", "surface",
+        ],
+    ),
+    (
         "frame",
         &[
-            "math", "simd", "records", "limits", "scheme", "mesh", "texture", "camera", "topology",
-            "dice", "surface", "raster", "shade", "film", "Surface", "Scene", "Cage", "Camera",
-            "Renderer",
+            "flatness", "math", "simd", "records", "limits", "scheme", "mesh", "texture", "camera",
+            "topology", "dice", "surface", "raster", "shade", "film", "Surface", "Scene", "Cage",
+            "Camera", "Renderer",
         ],
     ),
     (

@@ -8,17 +8,27 @@ pub(super) struct Samples<'a> {
     pub(super) points: &'a Grid3,
     pub(super) normals: &'a Grid3,
     pub(super) log: u32,
+    /// Whether each corner of the square is one of the face's.
+    pub(super) corners: [bool; 4],
 }
 
-/// What a step of the grid below the samples is expected to leave of a distance: a quarter on smooth curves, more towards irregular vertices.
+/// What a step of the grid below the samples is expected to leave of a distance: a quarter where the surface has second derivatives.
 const LEFT: f32 = 0.4 * 0.4;
 
 impl Samples<'_> {
     /// Excess of cell (`x`, `y`) of the `2^depth` by `2^depth` cells that the samples are cut into.
     pub(super) fn excess(&self, metric: &Metric<'_>, depth: u32, x: u32, y: u32) -> Excess {
         if depth + 1 > self.log {
-            // No samples inside: what the cell twice as large leaves.
-            return self.excess(metric, depth - 1, x / 2, y / 2) * LEFT;
+            // No samples inside: what the cell twice as large leaves. At an irregular vertex, where parameters run unevenly, that is nearly
+            // all of it at a high valence.
+            let last = (1 << depth) - 1;
+            let ends = [[0, 0], [last, 0], [last, last], [0, last]];
+            let at = ends.iter().position(|&end| end == [x, y]);
+            let left = match at.is_some_and(|c| self.corners[c]) {
+                true => 1.0,
+                false => LEFT,
+            };
+            return self.excess(metric, depth - 1, x / 2, y / 2) * left;
         }
         let step = 1_usize << (self.log - depth);
         let (i, j) = (x as usize * step, y as usize * step);
@@ -28,6 +38,12 @@ impl Samples<'_> {
         let between = (step / 4).max(1);
         let bent = !metric.is_dot(&p)
             || !metric.is_dot(&[p[0], self.points.get(i + step / 2, j + step / 2)]);
+        let samples = || {
+            let lines = (0..=step).step_by(between);
+            lines.flat_map(move |b| (0..=step).step_by(between).map(move |a| (a, b)))
+        };
+        let depths = samples().map(|(a, b)| metric.depth(self.points.get(i + a, j + b)));
+        let nearest = depths.fold(f32::INFINITY, f32::min);
         let mut worst = 0.0_f32;
         for b in (0..=step).step_by(between) {
             for a in (0..=step).step_by(between) {
@@ -40,7 +56,7 @@ impl Samples<'_> {
                         (c[0][k] * w[0] + c[1][k] * w[1]) + (c[2][k] * w[2] + c[3][k] * w[3])
                     })
                 };
-                worst = worst.max(metric.point(self.points.get(i + a, j + b), at(p)));
+                worst = worst.max(metric.point(self.points.get(i + a, j + b), at(p), nearest));
                 if bent {
                     worst = worst.max(metric.normal(self.normals.get(i + a, j + b), at(n)));
                 }

@@ -147,13 +147,17 @@ impl Line {
         let middle = self.points[from + step / 2];
         let bent = !metric.is_dot(&[a, b, middle]);
         let quarter = (step / 4).max(1);
+        let depths = (from..=from + step).step_by(quarter);
+        let nearest = depths
+            .map(|k| metric.depth(self.points[k]))
+            .fold(f32::INFINITY, f32::min);
         let mut worst = 0.0_f32;
         for k in (quarter..step).step_by(quarter) {
             let t = k as f32 / step as f32;
             let mix =
                 |a: [f32; 3], b: [f32; 3]| math::add(math::scale(a, 1.0 - t), math::scale(b, t));
             let at = from + k;
-            worst = worst.max(metric.point(self.points[at], mix(a, b)));
+            worst = worst.max(metric.point(self.points[at], mix(a, b), nearest));
             if bent {
                 worst = worst.max(metric.normal(self.normals[at], mix(na, nb)));
             }

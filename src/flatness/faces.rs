@@ -290,6 +290,10 @@ impl<'a> Worker<'a> {
             points: &self.points,
             normals: &self.normals,
             log,
+            corners: {
+                let last = (1 << depth) - 1;
+                [[0, 0], [last, 0], [last, last], [0, last]].map(|corner| corner == place)
+            },
         };
         let cap = self.metric.max_level.saturating_sub(depth);
         let mut needs = Levels::default();

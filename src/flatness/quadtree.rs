@@ -99,12 +99,12 @@ impl Side<'_> {
     }
 }
 
-/// Adds to the splits of an edge what the leaves of a face at its side `c` ask for: points twice as far apart as their own, so that
-/// triangles beside the edge are not drawn out.
+/// Adds to the splits of an edge the points that the leaves of a face at its side `c` ask for: all of their own, so that triangles beside
+/// the edge are not drawn out (measured: every second point of theirs costs half more distance and saves a quarter of the triangles).
 pub(super) fn ask(nodes: &[Node], c: usize, reversed: bool, splits: &mut Splits) {
     for leaf in nodes.iter().filter(|n| n.is_leaf()) {
         if let Some(segment) = leaf.segment(c) {
-            let (depth, level) = (leaf.depth(), u32::from(leaf.need.saturating_sub(1)));
+            let (depth, level) = (leaf.depth(), u32::from(leaf.need));
             let place = turned(reversed, depth, segment);
             for d in 0..level {
                 if d <= depth {
@@ -252,7 +252,7 @@ impl Quadtree {
         let along = usize::from(c % 2 == 1);
         let size = 1 << (level - leaf.depth());
         let mut at = at;
-        if at[along] % size != 0 {
+        if !at[along].is_multiple_of(size) {
             let unit = FULL >> level;
             if let Some([mut low, mut high]) = Self::beyond(leaf, c) {
                 // What lies beyond the point, on both sides of it.
@@ -264,7 +264,7 @@ impl Quadtree {
                     corner |= [from, to].iter().any(|b| b[along] == at[along] * unit);
                 });
                 let step = 1 << (level - coarse);
-                if !corner && at[along] % step != 0 {
+                if !corner && !at[along].is_multiple_of(step) {
                     at[along] = (at[along] + (step - 1) / 2) / step * step;
                 }
             }

@@ -4,8 +4,10 @@ use super::Flatness;
 use crate::camera::View;
 use crate::math;
 
-/// What the tests leave to what they do not see: samples are a quarter of a segment apart, and a moved point stretches a triangle.
-const SHARE: f32 = 0.7;
+/// What the tests leave of the tolerance to what they do not see: samples are a quarter of a cell apart, and a moved point stretches a triangle.
+const SHARE: f32 = 0.65;
+/// The same of the tolerance of normals.
+const NORMAL_SHARE: f32 = 0.85;
 
 /// Measures distances as a view sees them.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +27,7 @@ impl<'a> Metric<'a> {
     pub(super) fn new(view: &'a View, flatness: &Flatness) -> Self {
         let pixels = (flatness.pixels * SHARE).max(1e-3);
         let chord =
-            2.0 * libm::sinf(flatness.degrees.clamp(0.01, 180.0).to_radians() * 0.5 * SHARE);
+            2.0 * libm::sinf(flatness.degrees.clamp(0.01, 180.0).to_radians() * 0.5 * NORMAL_SHARE);
         Self {
             view,
             pixels: pixels * pixels,
@@ -37,7 +39,7 @@ impl<'a> Metric<'a> {
     /// Distance along the view axis; what is nearer than the near plane is as far behind it (Bunnell), so that surfaces through the plane
     /// are refined and not for ever.
     #[inline(always)]
-    fn depth(&self, p: [f32; 3]) -> f32 {
+    pub(super) fn depth(&self, p: [f32; 3]) -> f32 {
         let near = self.view.near;
         near + (self.view.distance(p) - near).abs()
     }
@@ -63,10 +65,16 @@ impl<'a> Metric<'a> {
         (x * x + y * y) * (scale * scale)
     }
 
-    /// Of a point of the surface and its triangle's.
+    /// Of a point of the surface and its triangle's, in a cell whose nearest point is at depth `nearest`: between its samples it may come as
+    /// near as that.
     #[inline(always)]
-    pub(super) fn point(&self, p: [f32; 3], q: [f32; 3]) -> Excess {
-        self.square(p, q) / self.pixels
+    pub(super) fn point(&self, p: [f32; 3], q: [f32; 3], nearest: f32) -> Excess {
+        let closer = if self.view.projection.ortho {
+            1.0
+        } else {
+            self.depth(p) / nearest
+        };
+        self.square(p, q) * (closer * closer) / self.pixels
     }
 
     /// Of a unit normal of the surface, and the sum of its triangle's.

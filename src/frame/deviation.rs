@@ -17,7 +17,7 @@ pub struct Deviation {
     pub pixels: f32,
     /// The same of blocks at the deepest level that was allowed.
     pub capped: f32,
-    /// Angle in degrees between the normal of the surface and that interpolated in its triangle.
+    /// Angle in degrees between the normal of the surface and that interpolated in its triangle; of triangles larger than a pixel.
     pub degrees: f32,
     /// Sum of the squares of distances, and their number.
     pub squares: (f64, u64),
@@ -158,6 +158,13 @@ impl Triangle {
                 math::dot(view.up, e) * scale,
             ])
         };
+        let sides = [[0, 1], [1, 2], [2, 0]].map(|[a, b]| {
+            match (screen(self.points[a]), screen(self.points[b])) {
+                (Some(p), Some(q)) => (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2),
+                _ => 0.0,
+            }
+        });
+        let is_dot = sides.iter().all(|&s| s <= 1.0);
         for a in 0..=steps {
             for b in 0..=steps - a {
                 let w = [a, b, steps - a - b].map(|k| k as f32 / steps as f32);
@@ -178,7 +185,7 @@ impl Triangle {
                     out.squares.0 += f64::from(square);
                     out.squares.1 += 1;
                 }
-                if let Some(n) = math::normalize(n) {
+                if let (false, Some(n)) = (is_dot, math::normalize(n)) {
                     let cross = math::length(math::cross(n, sample.normal));
                     let angle = libm::atan2f(cross, math::dot(n, sample.normal));
                     out.degrees = out.degrees.max(angle.to_degrees());
