@@ -64,7 +64,10 @@ fn triangles_are_as_close_to_the_surface_as_asked_for() {
                 let d = renderer.deviation(&scene, &view, 2).unwrap();
                 let what = format!("{} at {pixels} pixels: {d:?}", path.display());
                 assert!(d.pixels <= pixels, "{what}");
-                println!("{what}");
+                // Folds of a pixel's width, and corners where the surface has no tangent plane, bend as they like.
+                let bends = ["creature.obj", "part_creased.obj"];
+                let smooth = !bends.iter().any(|name| path.ends_with(name));
+                assert!(!smooth || d.degrees <= 3.0, "{what}");
                 worst = worst.max(d.pixels / pixels);
                 bent = bent.max(d.degrees);
                 views += 1;
