@@ -230,7 +230,7 @@ pub(crate) struct LevelFlags {
     /// Uniform level of refinement, 0 to 10 [default: per model, from the length of its edges in pixels]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: Option<u32>,
-    /// Largest distance of triangles from the limit surface on the screen, in pixels; edge by edge and block by block [default of render: 0.5]
+    /// Largest distance of triangles from the limit surface on the screen, in pixels; edge by edge and block by block; on Catmull-Clark and bilinear surfaces
     #[arg(long, value_name = "PX", value_parser = parse_flatness, conflicts_with = "level")]
     pub(crate) adaptive: Option<f32>,
     /// Highest level that is chosen without --level, 0 to 10
@@ -247,13 +247,15 @@ impl LevelFlags {
         }
     }
     pub(crate) fn refinement(&self) -> Refinement {
-        match self.level {
-            Some(level) => Refinement::Uniform(level),
-            None => Refinement::Adaptive(Flatness {
-                pixels: self.adaptive.unwrap_or(Flatness::default().pixels),
-                max_level: self.max_level,
+        let max_level = self.max_level;
+        match (self.level, self.adaptive) {
+            (Some(level), _) => Refinement::Uniform(level),
+            (None, Some(pixels)) => Refinement::Adaptive(Flatness {
+                pixels,
+                max_level,
                 ..Flatness::default()
             }),
+            (None, None) => Refinement::ByEdgeLength { max_level },
         }
     }
 }
