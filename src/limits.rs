@@ -78,6 +78,37 @@ pub enum LimitError {
     Cancelled,
 }
 
+/// Memory of one job, counted as it is taken piece by piece.
+#[derive(Debug)]
+pub(crate) struct Budget<'a> {
+    limits: &'a Limits,
+    taken: u128,
+}
+
+impl<'a> Budget<'a> {
+    /// Nothing is taken yet.
+    pub(crate) fn new(limits: &'a Limits) -> Self {
+        Self { limits, taken: 0 }
+    }
+
+    /// Takes `kept` bytes for good, if with `passing` more, which are given back soon, all that was taken is within the limit.
+    ///
+    /// # Errors
+    /// [`LimitError`]; also when time is up.
+    pub(crate) fn take(
+        &mut self,
+        what: &'static str,
+        kept: u128,
+        passing: u128,
+    ) -> Result<(), LimitError> {
+        self.limits.check()?;
+        let taken = self.taken.saturating_add(kept);
+        self.limits.memory(what, taken.saturating_add(passing))?;
+        self.taken = taken;
+        Ok(())
+    }
+}
+
 impl Limits {
     /// Gives the job `time` from now on.
     #[must_use]

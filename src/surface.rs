@@ -12,6 +12,7 @@ use crate::dice::fan_points::FanPoints;
 use crate::dice::presplit::presplit;
 use crate::dice::triangle::TriangleChannel;
 use crate::dice::{DiceFault, MAX_LEVEL};
+use crate::limits::{Budget, LimitError};
 use crate::mesh::{Cage, NONE};
 use crate::records::Grid3;
 use crate::refine;
@@ -273,6 +274,20 @@ impl Surface {
         }
         if let Some(tables) = &self.tables {
             tables.ensure(level);
+        }
+    }
+
+    /// The same within a budget.
+    ///
+    /// # Errors
+    /// What is to be made would not fit; nothing is allocated for it then.
+    pub(crate) fn try_ensure(&self, level: u32, budget: &mut Budget<'_>) -> Result<(), LimitError> {
+        if let Some(control) = &self.control {
+            control.try_ensure(level, budget)?;
+        }
+        match &self.tables {
+            Some(tables) => tables.try_ensure(level, budget),
+            None => Ok(()),
         }
     }
 

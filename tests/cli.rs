@@ -711,3 +711,33 @@ fn refined_materials_are_found_from_the_output() {
     assert_eq!(json["warnings"].as_array().unwrap().len(), 0, "{json}");
     assert!(kept(&folder.path("out.obj")).starts_with("mtllib in/part.mtl\n"));
 }
+
+#[test]
+fn control_faces_beyond_the_memory_are_code_5() {
+    let folder = Folder::new("control");
+    let model = folder.path("sharp.obj");
+    let n = 8;
+    let mut text = String::new();
+    for k in 0..(n + 1) * (n + 1) {
+        text += &format!("v {} {} {}\n", k % (n + 1), k / (n + 1), k % 3);
+    }
+    for k in (0..(n + 1) * n).filter(|k| k % (n + 1) < n) {
+        let (a, b, c, d) = (k, k + 1, k + n + 2, k + n + 1);
+        text += &format!("f {} {} {} {}\n", a + 1, b + 1, c + 1, d + 1);
+        text += &format!("t crease 2/1/0 {a} {b} 9\nt crease 2/1/0 {a} {d} 9\n");
+    }
+    fs::write(&model, text).unwrap();
+    let picture = folder.path("out.png");
+    let [model, to] = [&model, &picture].map(|p| p.to_str().unwrap());
+    let render = |memory: &str| {
+        let sizes = ["--size", "32x32", "--threads", "1", "--max-memory", memory];
+        run(&[&["render", model, "-o", to, "--level", "8"][..], &sizes].concat())
+    };
+    let refused = render("60M");
+    let message = assert_clean(&refused);
+    assert_eq!(code(&refused), 5, "{message}");
+    assert!(message.contains("control faces"), "{message}");
+    assert!(!picture.exists());
+    let drawn = render("2G");
+    assert_eq!(code(&drawn), 0, "{}", stderr(&drawn));
+}

@@ -21,13 +21,15 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     (
         "control",
-        &["simd", "records", "scheme", "topology", "refine", "dice"],
+        &[
+            "simd", "records", "limits", "scheme", "topology", "refine", "dice",
+        ],
     ),
     (
         "surface",
         &[
-            "math", "simd", "records", "scheme", "topology", "mesh", "refine", "dice", "control",
-            "Cage", "Surface",
+            "math", "simd", "records", "limits", "scheme", "topology", "mesh", "refine", "dice",
+            "control", "Cage", "Surface",
         ],
     ),
     (

@@ -7,6 +7,7 @@
 //! by the quads at features alone. Everything else about creases is gone once a level is cut open along its infinite edges ([`cut`]).
 
 mod cut;
+mod size;
 pub(crate) mod tables;
 mod tips;
 
@@ -14,6 +15,7 @@ use crate::dice::MAX_LEVEL;
 use crate::dice::control::{Descend, View};
 use crate::dice::fan_points::{FanPoints, TangentMasks};
 use crate::dice::triangle::{DescendTriangles, TriangleFans, TriangleMasks, TriangleView};
+use crate::limits::{Budget, LimitError};
 use crate::refine::{self, Level, Timings};
 use crate::topology::{NONE, Topology};
 use cut::{VertexRules, cut_points, cut_values};
@@ -196,10 +198,28 @@ impl ControlTree {
     /// Nobody waits for another thread here: two that come at once both make the level, and the first to be done is kept. Waiting would be
     /// a deadlock where a thread pool hands the waiting thread a task that comes here again.
     pub(crate) fn ensure(&self, level: u32) {
+        // Without a budget nothing fails.
+        let _ = self.make(level, None);
+    }
+
+    /// The same within a budget. Levels that are there already count like those that are made, so that what fails does not depend on
+    /// what was drawn before.
+    ///
+    /// # Errors
+    /// The next level would not fit; those before it are kept.
+    pub(crate) fn try_ensure(&self, level: u32, budget: &mut Budget<'_>) -> Result<(), LimitError> {
+        self.make(level, Some(budget))
+    }
+
+    fn make(&self, level: u32, mut budget: Option<&mut Budget<'_>>) -> Result<(), LimitError> {
         for depth in 1..=level.min(MAX_LEVEL) {
             let Some(parent) = self.level(depth - 1) else {
-                return;
+                return Ok(());
             };
+            if let Some(budget) = budget.as_deref_mut() {
+                let (kept, passing) = parent.next_bytes();
+                budget.take("the control faces at fading creases", kept, passing)?;
+            }
             let slot = &self.deeper[depth as usize - 1];
             if slot.get().is_none() {
                 // When another thread was first, its level is the same.
@@ -211,6 +231,7 @@ impl ControlTree {
         {
             let _ = last.tips.set(last.make_tips(&self.options));
         }
+        Ok(())
     }
 
     fn level(&self, depth: u32) -> Option<&ControlLevel> {

@@ -21,7 +21,7 @@ mod screen;
 mod tree;
 
 use crate::camera::View;
-use crate::limits::{LimitError, Limits};
+use crate::limits::{Budget, LimitError, Limits};
 use crate::surface::Surface;
 use screen::Metric;
 
@@ -90,9 +90,10 @@ impl Tessellation {
         view: &View,
         flatness: &Flatness,
         limits: &Limits,
+        budget: &mut Budget<'_>,
         is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
     ) -> Result<Self, LimitError> {
-        surface.ensure(crate::dice::MAX_LEVEL);
+        surface.try_ensure(crate::dice::MAX_LEVEL, budget)?;
         let metric = Metric::new(view, flatness);
         let needs = faces::needs(surface, &metric, limits, is_drawn)?;
         let trees = edges::trees(surface, &metric, &needs, limits)?;

@@ -22,7 +22,7 @@ mod tile;
 use crate::camera::{Camera, CameraError, Sphere, View};
 use crate::film::{Film, Image};
 use crate::flatness::{Flatness, Tessellation};
-use crate::limits::{LimitError, Limits};
+use crate::limits::{Budget, LimitError, Limits};
 use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
 use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
@@ -273,18 +273,19 @@ impl Renderer {
         self.check_size()?;
         let mut levels = self.levels(scene, view)?;
         let begin = Instant::now();
-        let tessellations = self.tessellations(scene, view, &mut levels)?;
+        let mut budget = Budget::new(&self.limits);
+        let tessellations = self.tessellations(scene, view, &mut levels, &mut budget)?;
         let flatness = begin.elapsed();
         let flatness_bytes = tessellations
             .iter()
             .flatten()
             .map(|t| t.bytes() + t.tree_bytes);
         let flatness_bytes = flatness_bytes.sum::<usize>() as u64;
-        let (sources, item_count) = Source::all(scene, self.drawing, &levels, tessellations);
+        let (sources, item_count) =
+            Source::all(scene, self.drawing, &levels, tessellations, &mut budget)?;
         let microtriangles = sources.iter().map(Source::triangles).sum();
         self.limits.faces(u128::from(microtriangles) / 2)?;
-        self.limits
-            .memory("the picture", self.predicted_bytes(item_count))?;
+        budget.take("the picture", self.predicted_bytes(item_count), 0)?;
         // Opacity decides what is drawn; what is drawn is opaque.
         let solid: Vec<SurfaceMaterial> = scene
             .materials
@@ -382,6 +383,7 @@ impl Renderer {
         scene: &Scene,
         view: &View,
         levels: &mut [u32],
+        budget: &mut Budget<'_>,
     ) -> Result<Vec<Option<Tessellation>>, LimitError> {
         let mut out = Vec::new();
         for (object, level) in scene.objects.iter().zip(levels) {
@@ -409,7 +411,8 @@ impl Renderer {
                 max_level: flatness.max_level.saturating_sub(split),
                 ..flatness
             };
-            let found = Tessellation::new(surface, view, &flatness, &self.limits, is_drawn)?;
+            let found =
+                Tessellation::new(surface, view, &flatness, &self.limits, budget, is_drawn)?;
             let deepest = found.leaves.iter().map(|l| u32::from(l.level)).max();
             *level = deepest.unwrap_or(0) + split;
             out.push(Some(found));

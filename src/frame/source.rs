@@ -8,6 +8,7 @@ use super::scene::{Object, Scene};
 use crate::dice::FacePatch;
 use crate::dice::face::Sides;
 use crate::flatness::Tessellation;
+use crate::limits::{Budget, LimitError};
 use crate::mesh::NONE;
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
@@ -117,19 +118,21 @@ const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (1, 1), (0, 1)];
 const PAIR: BlockSize = BlockSize { cols: 2, rows: 2 };
 
 impl<'a> Source<'a> {
-    /// Sources of all objects, and the number of items.
+    /// Sources of all objects, and the number of items. Surfaces are made ready, within `budget`.
     pub(super) fn all(
         scene: &'a Scene,
         drawing: Drawing,
         levels: &[u32],
         tessellations: Vec<Option<Tessellation>>,
-    ) -> (Vec<Self>, u32) {
+        budget: &mut Budget<'_>,
+    ) -> Result<(Vec<Self>, u32), LimitError> {
         let (mut first_item, mut first_face) = (0, 0);
         let objects = scene.objects.iter().zip(levels).zip(tessellations);
         let sources = objects.map(|((object, &level), tessellation)| {
             let quad_level = level.saturating_sub(u32::from(object.surface.is_split()));
-            if drawing != Drawing::Cage {
-                object.surface.ensure(quad_level);
+            // Tessellations have made theirs.
+            if drawing != Drawing::Cage && tessellation.is_none() {
+                object.surface.try_ensure(quad_level, budget)?;
             }
             let refined =
                 (drawing == Drawing::Refined).then(|| object.surface.refined_fans(quad_level));
@@ -144,10 +147,10 @@ impl<'a> Source<'a> {
             };
             first_item += source.item_count();
             first_face += object.surface.cage().face_count() as u32;
-            source
+            Ok(source)
         });
-        let sources: Vec<_> = sources.collect();
-        (sources, first_item)
+        let sources = sources.collect::<Result<Vec<_>, LimitError>>()?;
+        Ok((sources, first_item))
     }
 
     pub(super) fn item_count(&self) -> u32 {

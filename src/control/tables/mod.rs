@@ -11,11 +11,13 @@
 mod build;
 mod shape;
 mod sheet;
+mod size;
 mod walk;
 
 use super::Kind;
 use crate::dice::MAX_LEVEL;
 use crate::dice::table::{Table, TableChannel, TableMesh, TableShapes, cells};
+use crate::limits::{Budget, LimitError, Limits};
 use crate::refine::limit::Tangents;
 use crate::refine::sharpness::Step;
 use crate::refine::{Level, Options, Timings, limit};
@@ -214,22 +216,36 @@ impl TableTree {
 
     /// Makes what dicing at `level` needs. Nobody waits for another thread here; see `ControlTree::ensure`.
     pub(crate) fn ensure(&self, level: u32) {
+        if self.channel(Kind::Points, level.min(MAX_LEVEL)).is_some() {
+            return;
+        }
+        // Without limits nothing fails.
+        let _ = self.try_ensure(level, &mut Budget::new(&Limits::default()));
+    }
+
+    /// The same within a budget, which counts what is there already too.
+    ///
+    /// # Errors
+    /// The meshes or the tables would not fit.
+    pub(crate) fn try_ensure(&self, level: u32, budget: &mut Budget<'_>) -> Result<(), LimitError> {
         let level = level.min(MAX_LEVEL);
+        let depth = self.choose_depth(level, budget)?;
+        self.take_tables(level, depth, budget)?;
         let slot = &self.channels[level as usize];
         if slot.get().is_some() {
-            return;
+            return Ok(());
         }
         let tables = match self.plans.tables[level as usize].get() {
             Some(tables) => tables.clone(),
             None => {
-                let tables = self.make_tables(level);
+                let tables = self.make_tables(level, depth);
                 let _ = self.plans.tables[level as usize].set(tables.clone());
                 tables
             }
         };
         let (Some(depth), Some(shapes)) = (self.depth(tables.depth), self.shapes(tables.depth))
         else {
-            return;
+            return Ok(());
         };
         let channel = |kind: Kind| {
             // Colours are values of vertices, like points.
@@ -244,6 +260,7 @@ impl TableTree {
             }))
         };
         let _ = slot.set([Kind::Points, Kind::Uvs, Kind::Colors].map(channel));
+        Ok(())
     }
 
     fn depth(&self, depth: u32) -> Option<Arc<Depth>> {
@@ -284,35 +301,35 @@ impl TableTree {
         slot.get()
     }
 
-    /// How deep the mesh has to be for a level.
-    fn choose_depth(&self, level: u32) -> u32 {
+    /// How deep the mesh has to be for a level. The budget is asked for every mesh before it is made.
+    fn choose_depth(&self, level: u32, budget: &mut Budget<'_>) -> Result<u32, LimitError> {
         let mut depth = level.saturating_sub(TABLE_LEVELS);
         if self.options.scheme == Scheme::Kobbelt && !is_regular(self.root_topology()) {
             depth = depth.max(level.min(2));
         }
+        self.take_meshes(0, depth, budget)?;
         while depth < level {
             let Some(shapes) = self.shapes(depth) else {
                 break;
             };
             let faces = 1_usize << (2 * (level - depth));
-            let side = (1_usize << (level - depth)) + 1;
+            let bytes = shapes.table_bytes(level - depth);
             let all = || shapes.shapes.iter().flatten();
-            let bytes: usize = all().map(|s| 12 * s.inner * side * side).sum();
             let small = all().count() * faces <= MOST_FACES || depth >= FEWEST_SHAPES;
             if bytes <= MOST_BYTES && small {
                 break;
             }
             depth += 1;
+            self.take_meshes(depth - 1, depth, budget)?;
         }
-        depth
+        Ok(depth)
     }
 
     fn root_topology(&self) -> &Topology {
         &self.root.level.topology
     }
 
-    fn make_tables(&self, level: u32) -> Tables {
-        let depth = self.choose_depth(level);
+    fn make_tables(&self, level: u32, depth: u32) -> Tables {
         let steps = level - depth;
         let shapes = (steps > 0).then(|| self.shapes(depth)).flatten();
         let [points, uvs] = match shapes {
