@@ -27,8 +27,12 @@
 //! Everywhere else, however close, derivatives are those of the surface.
 //!
 //! Creases that fade are followed until they have faded. Right at a vertex where a crease begins, fades or ends, position and normal are
-//! the limit's, `du` and `dv` those of the deepest control level. Within 2⁻¹⁰ of the end of an infinitely sharp crease inside the surface,
-//! derivatives are those of the smooth rule.
+//! the limit's, `du` and `dv` those of the deepest control level. Within 2⁻¹⁰ of a side's length of the end of an
+//! infinitely sharp crease inside the surface, position and derivatives are those of the smooth rule: positions were seen to be off by up to
+//! 8·10⁻⁴ of a model of few faces there.
+//!
+//! The first evaluation of a surface with such vertices makes all of its control levels, for all faces: edges of sharpness 9 cost it about
+//! a thousand control faces each. Other surfaces make nothing beforehand.
 //!
 //! # Interpolating surfaces
 //!
@@ -45,8 +49,8 @@
 //! is close to the surface's own, no more. Semi-sharp creases mean nothing to these schemes.
 //!
 //! A place is found by refining the surroundings of its face alone, down to a face that has it for a corner: in about a microsecond a step
-//! amid regular vertices, in 50 to 100 beside an extraordinary one or a border. [`FaceEvaluator`] keeps the steps, and
-//! [`Surface::evaluate_many`] sorts its places.
+//! amid regular vertices, in 50 to 100 beside an extraordinary one or a border; beside a vertex of hundreds of faces in milliseconds, by the
+//! square of their number. [`FaceEvaluator`] keeps the steps, and [`Surface::evaluate_many`] sorts its places.
 
 use crate::control::Kind;
 use crate::dice::evaluate::QuadEvaluator;
@@ -177,7 +181,7 @@ impl Surface {
         }))
     }
 
-    /// Evaluates many places, on all threads. Places on the same face are cheaper, wherever in the list they stand. The result does not
+    /// Evaluates many places, on all threads where there are more than 65,536. Places on the same face are cheaper, wherever in the list they stand. The result does not
     /// depend on the number of threads, and is that of [`Surface::evaluate_as`].
     ///
     /// # Errors

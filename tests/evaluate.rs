@@ -393,6 +393,7 @@ fn bad_arguments_have_no_sample() {
     assert!(face.at(0.5, nan).is_none() && face.uv(0.5, 0.5).is_none());
     assert!(face.grid(4, &mut [[0.0; 3]; 24]).is_err());
     assert!(face.grid::<[f32; 3]>(0, &mut []).is_err());
+    assert!(face.grid::<[f32; 3]>(u32::MAX, &mut []).is_err());
     let error = surface.evaluate_many(&[Place::default()], &mut [[0.0; 3]; 2]);
     assert_eq!(error, Err(EvaluateError::WrongCount { got: 2, wanted: 1 }));
     // Interpolating surfaces are known at dyadic places alone.

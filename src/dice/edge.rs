@@ -50,6 +50,15 @@ impl EdgeSamples {
     }
 }
 
+/// Samples of a strip that are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SamplePart {
+    All,
+    /// The last one is left to the strip that follows.
+    ButLast,
+    First,
+}
+
 /// Which samples of a strip are wanted and where they go: at `0, 1/n, … 1` with `n = 2^level`, to places `at`, `at + step`, ….
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Samples {
@@ -60,8 +69,8 @@ pub(crate) struct Samples {
     pub(crate) simd: Level,
     /// Whether normals are wanted too.
     pub(crate) normals: bool,
-    /// Whether the last sample is left to the strip that follows.
-    pub(crate) open: bool,
+    /// Which of them are wanted.
+    pub(crate) part: SamplePart,
 }
 
 /// A strip of three by four control points along an edge; `l` lies to the left of the direction of travel.
@@ -135,10 +144,20 @@ impl Strip {
 }
 
 impl Samples {
+    /// Number of samples.
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        match self.part {
+            SamplePart::All => (1 << self.level) + 1,
+            SamplePart::ButLast => 1 << self.level,
+            SamplePart::First => 1,
+        }
+    }
+
     /// Cuts the samples into runs of at most a line: first sample and number.
     #[inline(always)]
     fn runs(&self, mut f: impl FnMut(usize, usize)) {
-        let count = (1_usize << self.level) + usize::from(!self.open);
+        let count = self.count();
         let mut i = 0;
         while i < count {
             f(i, (count - i).min(LINE));
@@ -292,9 +311,9 @@ pub(crate) fn irregular_half(
     let (near, mid) = (row_at(&rings[0], s), row_ahead(&rings[0], s));
     strip([near, mid, far, far]).sample(
         Samples {
-            level: 0,
+            level: half.level - 1,
             at: half.at + half.step * (1_i64 << (half.level - 1)),
-            open: true,
+            part: SamplePart::First,
             ..half
         },
         out,
@@ -321,7 +340,7 @@ pub(crate) fn irregular_half(
             Samples {
                 level: half.level - depth - 1,
                 at: start,
-                open: true,
+                part: SamplePart::ButLast,
                 ..half
             },
             out,

@@ -8,7 +8,8 @@
 use super::basis::Target;
 use super::control::{Descend, Dot, Owner, is_refined};
 use super::edge::{
-    EdgeSamples, Samples, Strip, irregular_half, regular_half, sample_boundary, whole_strip,
+    EdgeSamples, SamplePart, Samples, Strip, irregular_half, regular_half, sample_boundary,
+    whole_strip,
 };
 use super::fan_points::FanPoints;
 use super::net::{
@@ -221,7 +222,7 @@ impl FacePatch {
             step: 1,
             simd: self.simd,
             normals: self.wanted == Sides::Normals,
-            open: false,
+            part: SamplePart::All,
         };
         let out = &mut self.sides[c];
         if forward {
@@ -379,7 +380,7 @@ impl FacePatch {
                         net: at,
                         origin: origin.map(|k| k * half),
                         size: 0,
-                        level: 0,
+                        level: level - 1,
                     });
                 }
             }
@@ -454,7 +455,7 @@ impl FacePatch {
                 step,
                 simd: self.simd,
                 normals: self.wanted == Sides::Normals,
-                open: false,
+                part: SamplePart::All,
             };
             // The middle belongs to the half at the lower vertex.
             let middle = (n / 2) as usize;

@@ -89,7 +89,7 @@ impl<'a, P: Patches> OneFace<'a, P> {
     }
 
     pub(super) fn grid_len(&self, n: u32) -> usize {
-        P::grid_len(n) * P::grids(self.surface, self.face).0
+        P::grid_len(n).saturating_mul(P::grids(self.surface, self.face).0)
     }
 
     pub(super) fn grid<S: Evaluated>(

@@ -151,7 +151,7 @@ impl Patches for QuadEvaluator {
     }
     fn grid_len(n: u32) -> usize {
         let side = n as usize + 1;
-        side * side
+        side.saturating_mul(side)
     }
     fn grid_places(n: u32) -> impl Iterator<Item = [f32; 2]> {
         let at = move |i: u32| i as f32 / n as f32;
@@ -247,7 +247,7 @@ impl Patches for TriangleEvaluator {
         }
     }
     fn grid_len(n: u32) -> usize {
-        (n as usize + 1) * (n as usize + 2) / 2
+        (n as usize + 1).saturating_mul(n as usize + 2) / 2
     }
     fn grid_places(n: u32) -> impl Iterator<Item = [f32; 2]> {
         let at = move |i: u32| i as f32 / n as f32;

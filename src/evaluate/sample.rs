@@ -250,8 +250,13 @@ fn normal(jet: &Jet) -> Option<[f32; 3]> {
         }
         return Some(math::scale(cross, 1.0 / square.sqrt()));
     }
-    // Squares of tiny or huge vectors leave the range of numbers: make them unit vectors first.
-    let cross = math::cross(math::normalize(du)?, math::normalize(dv)?);
+    // Squares of tiny or huge vectors leave the range of numbers: scale them first.
+    let unit = |v: [f32; 3]| {
+        let most = v[0].abs().max(v[1].abs()).max(v[2].abs());
+        (most > 0.0 && most.is_finite()).then_some(())?;
+        math::normalize(v.map(|c| c / most))
+    };
+    let cross = math::cross(unit(du)?, unit(dv)?);
     if math::dot(cross, cross) > PARALLEL {
         math::normalize(cross)
     } else {

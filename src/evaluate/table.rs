@@ -214,8 +214,8 @@ impl<'a> TableFace<'a> {
     pub(super) fn grid_len(&self, n: u32) -> usize {
         let side = n as usize + 1;
         match self.surface.is_triangular() {
-            true => side * (side + 1) / 2,
-            false => side * side * self.parts(),
+            true => side.saturating_mul(side + 1) / 2,
+            false => side.saturating_mul(side).saturating_mul(self.parts()),
         }
     }
 

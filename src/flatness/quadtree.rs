@@ -173,7 +173,7 @@ impl Quadtree {
     /// The box of unit thickness beyond side `c` of a node; `None` outside of the face.
     fn beyond(node: &Node, c: usize) -> Option<[[u32; 2]; 2]> {
         let [low, high] = node.bounds();
-        let axis = usize::from(c % 2 == 0);
+        let axis = usize::from(c.is_multiple_of(2));
         let (mut from, mut to) = (low, high);
         if c == 1 || c == 2 {
             (from[axis], to[axis]) = (high[axis], high[axis] + 1);

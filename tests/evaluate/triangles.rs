@@ -507,3 +507,21 @@ fn linear_texture_coordinates_are_linear() {
         "{uv:?}"
     );
 }
+
+/// A sum that is 1 only after rounding lies on the side: beside a corner, it is the corner, features included.
+#[test]
+fn corners_but_for_rounding_are_corners() {
+    let (tiny, mut differ) = (f32::EPSILON / 2.0, 0);
+    for i in 0..24 {
+        let (surface, _) = random(i);
+        for f in 0..surface.topology().face_count() as u32 {
+            for (near, corner) in [([1.0, tiny], [1.0, 0.0]), ([tiny, 1.0], [0.0, 1.0])] {
+                let at = |[u, v]: [f32; 2]| surface.evaluate(f, u, v).unwrap().position;
+                assert_eq!(at(near), at(corner), "cage {i} face {f}");
+                let inside = [corner[0] * 0.999, corner[1] * 0.999];
+                differ += u32::from(at(inside) != at(corner));
+            }
+        }
+    }
+    assert!(differ > 0);
+}

@@ -6,7 +6,7 @@
 //! ([`TrianglePatch::append`]): those of deeper levels, where creases are refined away first.
 
 use super::super::basis::Target;
-use super::super::edge::{EdgeSamples, Samples, sample_boundary};
+use super::super::edge::{EdgeSamples, SamplePart, Samples, sample_boundary};
 use super::super::face::{DiceFault, Sides};
 use super::super::point::P4;
 use super::fans::TriangleFans;
@@ -274,7 +274,7 @@ impl TrianglePatch {
             step: to.step,
             simd: self.simd,
             normals: self.wanted == Sides::Normals,
-            open: false,
+            part: SamplePart::All,
         };
         let back = Samples {
             at: to.at + n * to.step,

@@ -7,7 +7,7 @@
 //!   a chain of strips, each half as long as the one before.
 
 use super::super::basis::Target;
-use super::super::edge::{EdgeSamples, Samples};
+use super::super::edge::{EdgeSamples, SamplePart, Samples};
 use super::super::point::P4;
 use super::super::regular::{LANES, LINE, Line, unit_cross, weigh3};
 use super::basis::{Bernstein, expansion};
@@ -54,7 +54,7 @@ impl Strip {
     #[inline(always)]
     fn sample_kernel(&self, to: Samples, out: &mut EdgeSamples) {
         let b = Bernstein::get(to.level);
-        let count = (1_usize << to.level) + usize::from(!to.open);
+        let count = to.count();
         let mut first = expand_row(&self.net, expansion(to.target, to.level), 0);
         for q in &mut first {
             *q = self.base + *q;
@@ -135,9 +135,9 @@ pub(super) fn irregular_half(
     };
     // The middle is regular, the start of a strip whose far points have no weight there.
     let to = Samples {
-        level: 0,
+        level: half.level - 1,
         at: half.at + half.step * (1_i64 << (half.level - 1)),
-        open: true,
+        part: SamplePart::First,
         ..half
     };
     Strip::new(rings[0].e(s), around(&rings[0], far), [P4::ZERO; 3], base).sample(to, out);
@@ -150,7 +150,7 @@ pub(super) fn irregular_half(
         let to = Samples {
             level: half.level - depth - 1,
             at: half.at + half.step * (1_i64 << (half.level - depth - 1)),
-            open: true,
+            part: SamplePart::ButLast,
             ..half
         };
         Strip::new(next.e(s), ring, [edge(5), edge(0), edge(1)], base).sample(to, out);

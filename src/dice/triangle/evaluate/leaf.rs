@@ -14,6 +14,12 @@ pub(crate) fn leaf(
 ) -> Option<Leaf<TriangleChannel<'_>>> {
     let root = below.at(0)?;
     root.first_child(face)?;
+    // Sums that are 1 only after rounding lie on the side. What is subtracted from 1 is at least a half, so differences are exact.
+    let [u, v] = match (u >= 0.5, v >= 0.5) {
+        (true, _) => [u, v.min(1.0 - u)],
+        (_, true) => [u.min(1.0 - v), v],
+        _ => [u, v],
+    };
     const CORNERS: [[f32; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
     let mut tip = corner([u, v]);
