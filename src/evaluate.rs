@@ -27,9 +27,9 @@
 //! Everywhere else, however close, derivatives are those of the surface.
 //!
 //! Creases that fade are followed until they have faded. Right at a vertex where a crease begins, fades or ends, position and normal are
-//! the limit's, `du` and `dv` those of the deepest control level. Within 2⁻¹⁰ of a side's length of the end of an
-//! infinitely sharp crease inside the surface, position and derivatives are those of the smooth rule: positions were seen to be off by up to
-//! 8·10⁻⁴ of a model of few faces there.
+//! the limit's, `du` and `dv` those of the deepest control level.
+//! Close to the end of an infinitely sharp crease inside the surface the control levels go on for the place alone: right, but in
+//! milliseconds.
 //!
 //! The first evaluation of a surface with such vertices makes all of its control levels, for all faces: edges of sharpness 9 cost it about
 //! a thousand control faces each. Other surfaces make nothing beforehand.

@@ -529,3 +529,52 @@ fn linear_texture_coordinates_are_bilinear() {
         "{uv:?}"
     );
 }
+
+/// Beside any corner, features and the ends of creases included, the surface is as close to the corner's limit as the place is.
+#[test]
+fn surfaces_are_continuous_at_every_corner() {
+    use support::random_cages::{random_cage, random_triangles};
+    let mut corners = 0;
+    for i in 0..24 {
+        for random in [random_cage(i), random_triangles(i)] {
+            let case = &random.case;
+            let options = SurfaceOptions {
+                scheme: Some(case.options.scheme),
+                boundary: Some(case.boundary),
+                face_varying: Some(case.fvar),
+                creases: Some(case.options.creases),
+                triangles: Some(case.options.triangles),
+            };
+            let surface = Surface::new(cage_of(&random.shape), &options);
+            for f in (0..surface.topology().face_count() as u32).step_by(5) {
+                let n = surface.topology().face_halves(f).len();
+                let (places, inside) = match (surface.is_triangular(), n) {
+                    (true, _) => (vec![[0.0, 0.0]], [0.3, 0.3]),
+                    (_, 4) => (vec![[0.0, 0.0], [1.0, 1.0]], [0.5, 0.4]),
+                    _ => (vec![[0.0, 0.0]], [0.5, 0.4]),
+                };
+                for corner in places {
+                    let at = |[u, v]: [f32; 2]| surface.evaluate(f, u, v).unwrap().position;
+                    let limit = at(corner);
+                    let size = distance_between(limit, at(inside)).max(0.1);
+                    for near in [1e-3, 1e-4, 1e-5, 1e-6, 1e-12] {
+                        let place = [0, 1].map(|k| corner[k] + (inside[k] - corner[k]) * near);
+                        let off = distance_between(at(place), limit) / size;
+                        // Beside vertices of many faces parameters run faster than distances, by the square at most.
+                        let most = 8.0 * near.sqrt() * near.powf(0.25) + 2e-6;
+                        assert!(
+                            off < most,
+                            "cage {i} face {f}: {off} at {near} from {corner:?}"
+                        );
+                    }
+                    corners += 1;
+                }
+            }
+        }
+    }
+    assert!(corners > 100);
+}
+
+fn distance_between(a: [f32; 3], b: [f32; 3]) -> f32 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>().sqrt()
+}

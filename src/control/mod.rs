@@ -241,6 +241,35 @@ impl ControlTree {
         }
     }
 
+    /// A tree of face `face` of the level at `depth` alone (as its face 0), where this one ends and the face is still at a feature: a dart,
+    /// to which every step comes half as near.
+    pub(crate) fn continued(&self, depth: u32, face: u32) -> Option<Self> {
+        let level = &self.level(depth)?.level;
+        let t = &level.topology;
+        if face as usize >= t.face_count() {
+            return None;
+        }
+        let mut corners: Vec<u32> = t.face_halves(face).map(|h| t.vertex(h)).collect();
+        corners.sort_unstable();
+        let around = (0..t.face_count() as u32).filter(|&f| {
+            let mut halves = t.face_halves(f);
+            f != face && halves.any(|h| corners.binary_search(&t.vertex(h)).is_ok())
+        });
+        let faces: Vec<(u32, u32)> = std::iter::once(face)
+            .chain(around)
+            .map(|f| (f, 0))
+            .collect();
+        let owned: Vec<bool> = (0..faces.len()).map(|i| i == 0).collect();
+        let part = level.part(&faces).level;
+        let tree = Self {
+            root: ControlLevel::new(part, Vec::new(), Vec::new(), &owned, &self.options),
+            options: self.options,
+            deeper: [const { OnceLock::new() }; MAX_LEVEL as usize],
+        };
+        tree.ensure(MAX_LEVEL);
+        Some(tree)
+    }
+
     /// Fans whose positions are the control points after `level` steps; one set for every control level.
     pub(crate) fn refined(&self, level: u32) -> Vec<Fans> {
         self.ensure(level);
@@ -301,6 +330,11 @@ pub(crate) struct TreeChannel<'a> {
 }
 
 impl<'a> TreeChannel<'a> {
+    /// The tree that goes on below a face where this one ends; see [`ControlTree::continued`].
+    pub(crate) fn continued(&self, depth: u32, face: u32) -> Option<ControlTree> {
+        self.tree.continued(depth, face)
+    }
+
     /// What both kinds of views hold.
     fn parts(&self, depth: u32) -> Option<(&'a ControlLevel, &'a ChannelMesh, &'a Fans)> {
         let level = self.tree.level(depth)?;

@@ -1,6 +1,6 @@
 //! Many places at once: sorted by face where that pays, so that what places on a face have in common is made once.
 
-use super::locate::Source;
+use super::locate::{PASSING, Source};
 use super::patches::Patches;
 use super::sample::sealed::Asked;
 use super::{Evaluated, Place};
@@ -68,7 +68,7 @@ impl<P: Patches> Batch<P> {
             };
             out[i as usize] = source.patch(local, |channel, at, tip| {
                 let key = Some((at.depth, at.face));
-                if ready != key {
+                if ready != key || at.depth == PASSING {
                     patches.prepare(channel, at.face);
                     ready = key;
                 }

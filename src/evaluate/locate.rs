@@ -2,7 +2,7 @@
 //! level.
 
 use super::patches::Patches;
-use crate::control::{Kind, TreeChannel};
+use crate::control::{ControlTree, Kind, TreeChannel};
 use crate::dice::MAX_LEVEL;
 use crate::dice::evaluate::Jet;
 use crate::surface::Surface;
@@ -56,14 +56,26 @@ impl<'a, P: Patches> Source<'a, P> {
         match P::leaf(below, at) {
             None => then(self.root, at, None),
             Some(leaf) => {
-                let local = Local {
+                let mut local = Local {
                     face: leaf.quad,
                     u: leaf.at[0],
                     v: leaf.at[1],
-                    depth: leaf.depth,
+                    depth: if at.depth == PASSING {
+                        PASSING
+                    } else {
+                        leaf.depth
+                    },
                     turned: at.turned,
                     scale: at.scale * leaf.scale,
                 };
+                if leaf.open
+                    && leaf.tip.is_none()
+                    && leaf.value.is_none()
+                    && let Some(tree) = below.continued(leaf.depth, leaf.quad)
+                {
+                    (local.face, local.depth) = (0, PASSING);
+                    return self.further(&tree, local, then);
+                }
                 let (position, normal) = match (self.is_points, leaf.tip, leaf.value) {
                     (true, Some(c), _) => P::corner(self.root, at.face, c),
                     (false, _, Some(value)) => (value, [0.0; 3]),
@@ -72,6 +84,39 @@ impl<'a, P: Patches> Source<'a, P> {
                 let tip = Some(Tip { position, normal });
                 then(leaf.channel, local, tip)
             }
+        }
+    }
+}
+
+/// Depth of places in faces that are made for one evaluation, and are not kept.
+pub(super) const PASSING: u32 = u32::MAX;
+
+impl<P: Patches> Source<'_, P> {
+    /// The same in a tree that goes on where another ends.
+    #[cold]
+    #[inline(never)]
+    fn further<R>(
+        &self,
+        tree: &ControlTree,
+        at: Local,
+        then: impl FnOnce(P::Channel<'_>, Local, Option<Tip>) -> R,
+    ) -> R {
+        let kind = if self.is_points {
+            Kind::Points
+        } else {
+            Kind::Uvs
+        };
+        let below = tree.channel(kind, MAX_LEVEL, None);
+        match P::root(&below) {
+            Some(root) => {
+                let source = Source::<P> {
+                    root,
+                    below: Some(below),
+                    is_points: self.is_points,
+                };
+                source.patch(at, then)
+            }
+            None => then(self.root, at, None),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A face of either kind, kept for many places.
 
-use super::locate::{Local, Source};
+use super::locate::{Local, PASSING, Source};
 use super::patches::Patches;
 use super::sample::sealed::{Asked, Kind as _};
 use super::{EvaluateError, Evaluated};
@@ -74,8 +74,13 @@ impl<'a, P: Patches> OneFace<'a, P> {
     fn local<S: Evaluated>(&mut self, local: Local) -> S {
         let (first, own, others) = (self.first, &mut self.patches, &mut self.others);
         self.source.patch(local, |channel, at, tip| {
+            let mut passing;
             let patches = if at.depth == 0 && at.face == first {
                 own
+            } else if at.depth == PASSING {
+                passing = P::default();
+                passing.prepare(channel, at.face);
+                &mut passing
             } else {
                 other(others, channel, (at.depth, at.face))
             };
@@ -149,7 +154,7 @@ impl<'a, P: Patches> OneFace<'a, P> {
         let (patches, ready) = (&mut uvs.patches, &mut uvs.ready);
         let position = uvs.source.patch(local, |channel, at, tip| {
             let key = Some((at.depth, at.face));
-            if *ready != key {
+            if *ready != key || at.depth == PASSING {
                 patches.prepare(channel, at.face);
                 *ready = key;
             }

@@ -72,6 +72,8 @@ pub trait Patches: Clone + std::fmt::Debug + Default {
     /// Linear interpolation of the corners' control points.
     fn linear(channel: Self::Channel<'_>, at: Local) -> [f32; 2];
 
+    /// Control data of the first level of a tree.
+    fn root<'a>(below: &'a TreeChannel<'_>) -> Option<Self::Channel<'a>>;
     /// Whether a face has deeper control levels.
     fn is_refined(below: &TreeChannel<'_>, face: u32) -> bool;
     fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local) -> Option<Leaf<Self::Channel<'a>>>;
@@ -130,6 +132,15 @@ impl Patches for QuadEvaluator {
         })
     }
 
+    fn root<'a>(below: &'a TreeChannel<'_>) -> Option<Channel<'a>> {
+        Descend::at(below, 0).map(|view| Channel {
+            topology: view.topology,
+            points: view.points,
+            fans: view.fans,
+            below: None,
+            linear: false,
+        })
+    }
     fn is_refined(below: &TreeChannel<'_>, face: u32) -> bool {
         Descend::at(below, 0).is_some_and(|root| root.first_child(face).is_some())
     }
@@ -221,6 +232,9 @@ impl Patches for TriangleEvaluator {
         [0, 1].map(|k: usize| a[k] * w + (b[k] * at.u + c[k] * at.v))
     }
 
+    fn root<'a>(below: &'a TreeChannel<'_>) -> Option<TriangleChannel<'a>> {
+        DescendTriangles::at(below, 0).map(|view| view.channel())
+    }
     fn is_refined(below: &TreeChannel<'_>, face: u32) -> bool {
         DescendTriangles::at(below, 0).is_some_and(|root| root.first_child(face).is_some())
     }

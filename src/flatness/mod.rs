@@ -3,9 +3,9 @@
 //! After Bunnell, *Adaptive Tessellation of Subdivision Surfaces with Displacement Mapping* (GPU Gems 2, 2005): an edge is split until its
 //! chords are as close to the limit curve as wanted on the screen, a face until its triangles are. Other than there, nothing is passed on:
 //!
-//! 1. [`faces`]: every face gets a quadtree whose leaves are blocks of at most 32×32 micro-quads, of the level that the surface inside of
-//!    it needs ([`cells`]).
-//! 2. [`edges`]: every cage edge gets a binary tree of splits ([`tree`]), once: from its own curve, and from both faces, whose triangles
+//! 1. `faces`: every face gets a quadtree whose leaves are blocks of at most 32×32 micro-quads, of the level that the surface inside of
+//!    it needs (`cells`).
+//! 2. `edges`: every cage edge gets a binary tree of splits (`tree`), once: from its own curve, and from both faces, whose triangles
 //!    beside it should not be drawn out.
 //! 3. Blocks get the points of the edges at their sides. What is finer on one side of a line than on the other is *moved*: a point that the coarser side does not have goes to the nearest
 //!    that it has (Bunnell's T-vertices). So a block is a grid still, triangles beside the line become a fan, and no crack can open.

@@ -49,6 +49,8 @@ pub(crate) struct Leaf<C> {
     pub(crate) tip: Option<usize>,
     /// The limit of a value at a feature that the control levels end at.
     pub(crate) value: Option<[f32; 3]>,
+    /// Whether the control levels end before the patch does: it is at a feature still.
+    pub(crate) open: bool,
 }
 
 /// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch.
@@ -93,6 +95,7 @@ pub(crate) fn leaf(below: &dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<C
         scale: (1_u32 << depth) as f32,
         tip,
         value: corner(at).and_then(|c| view.tip(4 * quad + c as u32)),
+        open: view.first_child(quad).is_some(),
     })
 }
 

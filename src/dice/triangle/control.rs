@@ -36,7 +36,7 @@ pub(crate) trait DescendTriangles: std::fmt::Debug + Sync {
 }
 
 impl<'a> TriangleView<'a> {
-    pub(super) fn channel(&self) -> TriangleChannel<'a> {
+    pub(crate) fn channel(&self) -> TriangleChannel<'a> {
         TriangleChannel {
             topology: self.topology,
             points: self.points,

@@ -66,5 +66,6 @@ pub(crate) fn leaf(
         scale,
         tip,
         value: corner(at).and_then(|c| view.tip(3 * face + c as u32)),
+        open: view.first_child(face).is_some(),
     })
 }
