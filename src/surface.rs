@@ -511,6 +511,14 @@ impl Surface {
         self.ensure(level);
         self.tables.as_ref()?.table_bytes(level)
     }
+    /// [`Surface::quads`] as they hang together, infinite creases not cut open. Faces and half-edges have the same numbers.
+    pub(crate) fn whole_quads(&self) -> &Topology {
+        match &self.control {
+            Some(control) => control.whole(),
+            None => self.mesh.quads(),
+        }
+    }
+
     /// Whether faces are quads with control points of their own, not triangles and not tables of an interpolating scheme.
     pub(crate) fn has_quads(&self) -> bool {
         !self.triangles && self.tables.is_none()

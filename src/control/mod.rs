@@ -175,6 +175,11 @@ impl ControlTree {
         self.root.channel(kind)
     }
 
+    /// The first level, not cut open.
+    pub(crate) fn whole(&self) -> &Topology {
+        &self.root.level.topology
+    }
+
     /// Moves the points of the first level. The levels below that are there already get theirs by the same connectivity.
     pub(crate) fn update(&mut self, points: Vec<[f64; 3]>) {
         self.root.set_points(points, &self.options);

@@ -36,7 +36,7 @@ pub(super) fn trees(
     needs: &Needs,
     limits: &Limits,
 ) -> Result<Forest, LimitError> {
-    let quads = surface.quads();
+    let quads = surface.whole_quads();
     let faces = quads.face_count();
     let parts: Vec<Vec<(u32, Splits)>> = (0..faces.div_ceil(CHUNK))
         .into_par_iter()
@@ -70,7 +70,7 @@ fn face(
     q: u32,
     out: &mut Vec<(u32, Splits)>,
 ) {
-    let quads = surface.quads();
+    let quads = surface.whole_quads();
     // Edges that are not drawn need no tree.
     let mut open = [0, 1, 2, 3].map(|c| {
         let h = 4 * q + c;

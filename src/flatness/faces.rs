@@ -60,7 +60,7 @@ pub(super) fn needs(
     limits: &Limits,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
 ) -> Result<Needs, LimitError> {
-    let quads = surface.quads();
+    let quads = surface.whole_quads();
     let faces = quads.face_count();
     let mut drawn = vec![false; faces];
     drawn.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
@@ -119,7 +119,7 @@ pub(super) fn blocks(
     trees: &Forest,
     limits: &Limits,
 ) -> Result<Tessellation, LimitError> {
-    let faces = surface.quads().face_count();
+    let faces = surface.whole_quads().face_count();
     let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
         .into_par_iter()
         .map_init(Quadtree::new, |tree, k| {
@@ -152,7 +152,7 @@ fn face_blocks(
     q: u32,
     out: &mut Tessellation,
 ) {
-    let quads = surface.quads();
+    let quads = surface.whole_quads();
     let sides = [0, 1, 2, 3].map(|c| Side {
         tree: trees.get(quads.edge(4 * q + c)),
         reversed: runs_back(quads, 4 * q + c),

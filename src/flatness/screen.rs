@@ -5,7 +5,7 @@ use crate::camera::View;
 use crate::math;
 
 /// What the tests leave of the tolerance to what they do not see: samples are a quarter of a cell apart, and a moved point stretches a triangle.
-const SHARE: f32 = 0.78;
+const SHARE: f32 = 0.65;
 /// The same of the tolerance of normals.
 const NORMAL_SHARE: f32 = 0.85;
 
