@@ -578,12 +578,14 @@ fn bench_reports_rows_with_the_total_first() {
         (
             "frame",
             &[
-                "total", "update", "setup", "bin", "dice", "tile", "shade", "film",
+                "total", "update", "flatness", "setup", "bin", "dice", "tile", "shade", "film",
             ],
         ),
         (
             "raster",
-            &["total", "setup", "bin", "dice", "tile", "shade", "film"],
+            &[
+                "total", "flatness", "setup", "bin", "dice", "tile", "shade", "film",
+            ],
         ),
         (
             "evaluate",
