@@ -47,7 +47,6 @@ pub mod dice;
 pub mod evaluate;
 pub mod files;
 pub mod film;
-pub mod flatness;
 pub mod frame;
 pub mod limits;
 pub mod load;
@@ -62,6 +61,7 @@ pub mod sheet;
 pub mod simd;
 pub mod stream;
 pub mod surface;
+pub mod tessellate;
 pub mod texture;
 pub mod topology;
 

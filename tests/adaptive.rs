@@ -4,9 +4,9 @@ mod common;
 #[path = "common/coverage.rs"]
 mod coverage;
 
-use earmark::flatness::Flatness;
 use earmark::frame::Refinement;
 use earmark::frame::coverage::CoverageFault;
+use earmark::tessellate::Flatness;
 use earmark::{Cage, Scene, Surface, SurfaceOptions};
 
 /// A closed torus of `4 n` by `n` quads, one side flat, with infinite creases around, a dart, and some that fade.

@@ -53,7 +53,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("stream", &["records", "dice", "surface"]),
     ("files", &["mesh", "texture", "film", "limits"]),
     (
-        "flatness",
+        "tessellate",
         &[
             "math", "simd", "records", "limits", "camera", "topology", "dice", "surface",
         ],
@@ -61,9 +61,26 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "frame",
         &[
-            "flatness", "math", "simd", "records", "limits", "scheme", "mesh", "texture", "camera",
-            "topology", "dice", "surface", "raster", "shade", "film", "Surface", "Scene", "Cage",
-            "Camera", "Renderer",
+            "tessellate",
+            "math",
+            "simd",
+            "records",
+            "limits",
+            "scheme",
+            "mesh",
+            "texture",
+            "camera",
+            "topology",
+            "dice",
+            "surface",
+            "raster",
+            "shade",
+            "film",
+            "Surface",
+            "Scene",
+            "Cage",
+            "Camera",
+            "Renderer",
         ],
     ),
     (

@@ -1,13 +1,13 @@
 //! The flags that verbs share, and how their values are read. Every value is checked here, before any work is done.
 
 use clap::{Args, ValueEnum};
-use earmark::flatness::Flatness;
 use earmark::frame::{Drawing, Refinement, Renderer};
 use earmark::mesh::obj::UpAxis as FileUp;
 use earmark::raster::MAX_SCREEN;
 use earmark::scheme;
 use earmark::shade::ShadeMode;
 use earmark::surface::SurfaceOptions;
+use earmark::tessellate::Flatness;
 use earmark::topology::{ConnectOptions, Topology, TopologyWarning, connect};
 use earmark::{Cage, Camera};
 use std::path::PathBuf;

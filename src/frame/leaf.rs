@@ -2,9 +2,9 @@
 
 use super::source::{Attributes, SourceScratch};
 use crate::dice::face::{Part, Sides};
-use crate::flatness::{Leaf, Move, Tessellation};
 use crate::records::{BlockSize, Grid3};
 use crate::surface::Surface;
+use crate::tessellate::{Leaf, Move, Tessellation};
 
 /// Grids of single points.
 pub(super) struct Spare {

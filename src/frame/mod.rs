@@ -21,12 +21,12 @@ mod tile;
 
 use crate::camera::{Camera, CameraError, Sphere, View};
 use crate::film::{Film, Image};
-use crate::flatness::{Flatness, Tessellation};
 use crate::limits::{Budget, LimitError, Limits};
 use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
 use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
+use crate::tessellate::{Flatness, Tessellation, flatness};
 use crate::texture::Texture;
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -388,7 +388,7 @@ impl Renderer {
         let mut out = Vec::new();
         for (object, level) in scene.objects.iter().zip(levels) {
             let surface = &object.surface;
-            let flatness = match self.refinement {
+            let wanted = match self.refinement {
                 Refinement::Adaptive(flatness)
                     if self.drawing == Drawing::Limit && surface.has_quads() =>
                 {
@@ -407,12 +407,12 @@ impl Renderer {
                     && bounds(hull, &view.projection, self.size).is_some()
             };
             let split = u32::from(surface.is_split());
-            let flatness = Flatness {
-                max_level: flatness.max_level.saturating_sub(split),
-                ..flatness
+            let wanted = Flatness {
+                max_level: wanted.max_level.saturating_sub(split),
+                ..wanted
             };
             let found =
-                Tessellation::new(surface, view, &flatness, &self.limits, budget, is_drawn)?;
+                flatness::tessellate(surface, view, &wanted, &self.limits, budget, is_drawn)?;
             let deepest = found.leaves.iter().map(|l| u32::from(l.level)).max();
             *level = deepest.unwrap_or(0) + split;
             out.push(Some(found));

@@ -7,12 +7,12 @@ use super::leaf::{self, Spare};
 use super::scene::{Object, Scene};
 use crate::dice::FacePatch;
 use crate::dice::face::Sides;
-use crate::flatness::Tessellation;
 use crate::limits::{Budget, LimitError};
 use crate::mesh::NONE;
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
 use crate::surface::{QuadPatch, RefinedFans, Surface};
+use crate::tessellate::Tessellation;
 
 /// What is drawn of each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,24 +3,22 @@
 //! A chord is held against samples a quarter of it apart (a half, at the last levels). Those of a cubic curve tell its distance exactly
 //! but for the place of its extremes; c-shaped and s-shaped curves are seen alike.
 
-use super::faces::{Needs, runs_back};
-use super::quadtree::ask;
 use super::screen::{Excess, Metric};
-use super::tree::{Forest, Splits};
 use crate::dice::MAX_LEVEL;
 use crate::dice::face::Sides;
 use crate::limits::{LimitError, Limits};
 use crate::math;
 use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
+use crate::tessellate::CHUNK;
+use crate::tessellate::blocks::{Needs, runs_back};
+use crate::tessellate::quadtree::ask;
+use crate::tessellate::tree::{Forest, Splits};
 use crate::topology::{NONE, Topology};
 use rayon::prelude::*;
 
 /// Levels that edges are sampled at, one after the other while they last.
 const LEVELS: [u32; 3] = [4, 7, MAX_LEVEL];
-
-/// Faces that one thread looks at, at a time.
-pub(super) const CHUNK: usize = 256;
 
 /// Samples of an edge, in its own direction.
 #[derive(Default)]

@@ -1,18 +1,17 @@
-//! Blocks of every face: from samples of its inside, as far as they are needed.
+//! What every face needs: from samples of its inside, as far as they are needed.
 
 use super::cells::Samples;
-use super::edges::CHUNK;
-use super::quadtree::{MAX_LOG, Node, Quadtree, Side};
 use super::screen::Metric;
-use super::tree::Forest;
-use super::{Leaf, Move, Tessellation};
 use crate::dice::MAX_LEVEL;
 use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
 use crate::records::Grid3;
 use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
-use crate::topology::{NONE, Topology};
+use crate::tessellate::CHUNK;
+use crate::tessellate::blocks::{Needs, Part};
+use crate::tessellate::quadtree::{MAX_LOG, Quadtree};
+use crate::topology::NONE;
 use rayon::prelude::*;
 
 /// What a block costs beside its micro-quads, in micro-quads.
@@ -23,35 +22,6 @@ const RESAMPLED: u32 = 3;
 
 /// Need of a square whose samples do not tell.
 const DEEPER: u32 = MAX_LOG + 1;
-
-/// What the surface needs inside of the faces of a chunk: quadtrees one after the other.
-#[derive(Clone, Debug, Default)]
-struct Part {
-    /// Where the tree of each face ends.
-    ends: Vec<u32>,
-    nodes: Vec<Node>,
-}
-
-/// Quadtrees of all faces that are drawn or lie beside one, before edges are heard.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Needs {
-    pub(super) drawn: Vec<bool>,
-    parts: Vec<Part>,
-}
-
-impl Needs {
-    /// Nodes of face `q`; none where it is far from what is drawn.
-    pub(super) fn nodes(&self, q: u32) -> &[Node] {
-        let (part, i) = (&self.parts[q as usize / CHUNK], q as usize % CHUNK);
-        let first = if i == 0 { 0 } else { part.ends[i - 1] };
-        &part.nodes[first as usize..part.ends[i] as usize]
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        let parts = self.parts.iter();
-        parts.map(|p| p.nodes.len() * size_of::<Node>()).sum()
-    }
-}
 
 /// Says which faces `is_drawn` (it gets the quad and points whose hull holds it) and finds what those and their neighbours need.
 pub(super) fn needs(
@@ -110,75 +80,6 @@ pub(super) fn needs(
     let needs = Needs { drawn, parts };
     limits.memory("the blocks of the tessellation", needs.bytes() as u128)?;
     Ok(needs)
-}
-
-/// The blocks of all faces that are drawn.
-pub(super) fn blocks(
-    surface: &Surface,
-    needs: &Needs,
-    trees: &Forest,
-    limits: &Limits,
-) -> Result<Tessellation, LimitError> {
-    let faces = surface.whole_quads().face_count();
-    let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
-        .into_par_iter()
-        .map_init(Quadtree::new, |tree, k| {
-            limits.check()?;
-            let mut out = Tessellation::default();
-            for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
-                if needs.drawn[q] {
-                    tree.nodes.clear();
-                    tree.nodes.extend_from_slice(needs.nodes(q as u32));
-                    face_blocks(surface, tree, trees, q as u32, &mut out);
-                }
-            }
-            limits.memory("the blocks of the tessellation", out.bytes() as u128)?;
-            Ok(out)
-        })
-        .collect::<Result<_, LimitError>>()?;
-    let bytes: usize = parts.iter().map(Tessellation::bytes).sum();
-    limits.memory("the blocks of the tessellation", 2 * bytes as u128)?;
-    let mut out = Tessellation::default();
-    for part in &parts {
-        out.append(part);
-    }
-    Ok(out)
-}
-
-fn face_blocks(
-    surface: &Surface,
-    tree: &mut Quadtree,
-    trees: &Forest,
-    q: u32,
-    out: &mut Tessellation,
-) {
-    let quads = surface.whole_quads();
-    let sides = [0, 1, 2, 3].map(|c| Side {
-        tree: trees.get(quads.edge(4 * q + c)),
-        reversed: runs_back(quads, 4 * q + c),
-    });
-    tree.balance(&sides);
-    let edges = sides.iter().map(|s| s.tree.depth()).max().unwrap_or(0);
-    let reach = tree.deepest().max(edges);
-    let moves = &mut out.moves;
-    for node in tree.nodes.iter().filter(|n| n.is_leaf()) {
-        rim(tree, node, &sides, reach, moves);
-        let log = node.level() - node.depth();
-        out.leaves.push(Leaf {
-            quad: q,
-            reach: reach as u8,
-            level: node.level() as u8,
-            log: log as u8,
-            start: node.place().map(|k| (k << log) as u16),
-            moves_end: moves.len() as u32,
-        });
-    }
-}
-
-/// Whether half-edge `h` runs against its edge's first one.
-pub(super) fn runs_back(quads: &Topology, h: u32) -> bool {
-    let first = quads.edge_half(quads.edge(h));
-    quads.vertex(first) != quads.vertex(h)
 }
 
 /// Buffers of one thread.
@@ -320,36 +221,6 @@ impl<'a> Worker<'a> {
         for k in 0..4 {
             let child = [depth + 1, 2 * x + (k & 1), 2 * y + (k >> 1)];
             self.cut(q, first + k as usize, needs, child);
-        }
-    }
-}
-
-/// The moves of a leaf's rim.
-fn rim(tree: &Quadtree, leaf: &Node, sides: &[Side<'_>; 4], reach: u32, out: &mut Vec<Move>) {
-    let log = leaf.level() - leaf.depth();
-    let n = 1_u32 << log;
-    let start = leaf.place().map(|k| k << log);
-    let up = reach - leaf.level();
-    for c in 0..4 {
-        for k in 0..n {
-            let [i, j] = match c {
-                0 => [k, 0],
-                1 => [n, k],
-                2 => [n - k, n],
-                _ => [0, n - k],
-            };
-            let at = [start[0] + i, start[1] + j];
-            // The corner at the start of a side may be moved along the side before it as well.
-            let mut to = tree.drawn(leaf, sides, c, at);
-            if k == 0 && to == at {
-                to = tree.drawn(leaf, sides, (c + 3) % 4, at);
-            }
-            if to != at {
-                out.push(Move {
-                    at: [i as u8, j as u8],
-                    to: to.map(|k| (k << up) as u16),
-                });
-            }
         }
     }
 }

@@ -1,0 +1,83 @@
+//! Adaptive tessellation: how far each part of the surface is cut up, decided before anything is drawn.
+//!
+//! Who decides is a stage of its own: [`flatness`], in pixels. What comes of it is the same whoever decided: every face has a quadtree of
+//! blocks (`quadtree`), every cage edge a binary tree of splits (`tree`), and `blocks` makes of both what is drawn. Blocks at every line get
+//! the points that both of its sides have; what is finer on one side is *moved*: a point that the coarser side does not have goes to the
+//! nearest that it has (Bunnell's T-vertices). So a block is a grid still, triangles beside the line become a fan, and no crack can open.
+//!
+//! Dicing gives a point the same bits at every level (`dice::face`), so an edge needs no more than its tree to look the same from both
+//! faces, whatever their levels.
+
+pub(crate) mod blocks;
+pub mod flatness;
+mod quadtree;
+mod tree;
+
+pub use flatness::Flatness;
+
+/// Faces that one thread looks at, at a time.
+const CHUNK: usize = 256;
+
+/// A block of a face: `2^log` by `2^log` micro-quads of level `level`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Leaf {
+    /// Quad of the surface.
+    pub(crate) quad: u32,
+    /// Level that the quad is prepared for: that of its deepest leaf or edge.
+    pub(crate) reach: u8,
+    pub(crate) level: u8,
+    pub(crate) log: u8,
+    /// First point on the grid of `level`.
+    pub(crate) start: [u16; 2],
+    /// Its moves end here in the list, and begin where those of the leaf before end.
+    pub(crate) moves_end: u32,
+}
+
+/// A point of a block's rim that is not where the grid has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Move {
+    /// Column and row in the block.
+    pub(crate) at: [u8; 2],
+    /// Point of the face's grid at the level it is prepared for.
+    pub(crate) to: [u16; 2],
+}
+
+/// The blocks that a surface is drawn by.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tessellation {
+    pub(crate) leaves: Vec<Leaf>,
+    moves: Vec<Move>,
+    /// Bytes of the edges' trees, for comparison.
+    pub(crate) tree_bytes: usize,
+}
+
+impl Tessellation {
+    /// Moved points of a leaf.
+    pub(crate) fn moves(&self, leaf: usize) -> &[Move] {
+        let first = match leaf {
+            0 => 0,
+            _ => self.leaves[leaf - 1].moves_end as usize,
+        };
+        &self.moves[first..self.leaves[leaf].moves_end as usize]
+    }
+
+    /// Number of moved points.
+    pub(crate) fn move_count(&self) -> usize {
+        self.moves.len()
+    }
+
+    /// Bytes that it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.leaves.len() * size_of::<Leaf>() + self.moves.len() * size_of::<Move>()
+    }
+
+    /// Appends `other`, which belongs to quads that follow.
+    fn append(&mut self, other: &Self) {
+        let base = self.moves.len() as u32;
+        self.leaves.extend(other.leaves.iter().map(|l| Leaf {
+            moves_end: l.moves_end + base,
+            ..*l
+        }));
+        self.moves.extend_from_slice(&other.moves);
+    }
+}
