@@ -108,6 +108,17 @@ fn goldens() -> Vec<Golden> {
         4,
         camera,
     );
+    for (asset, level, what) in [("creature", 3, "_single"), ("part", 6, "_single")] {
+        add(
+            asset,
+            level,
+            what,
+            Drawing::Limit,
+            ShadeMode::Lit,
+            1,
+            camera,
+        );
+    }
     add("part", 0, "", Drawing::Limit, ShadeMode::Lit, 4, camera);
     add(
         "part",

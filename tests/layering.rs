@@ -64,6 +64,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "tessellate",
             "math",
             "simd",
+            "dispatch",
             "records",
             "limits",
             "scheme",

@@ -2,7 +2,8 @@
 //! visibility, so it does not depend on the order of drawing.
 
 use super::Frame;
-use super::tile::{Scratch, interpolate};
+use super::shading::interpolate;
+use super::tile::Scratch;
 use crate::raster::{Cell, Key, Tile, barycentrics, draw_block};
 use crate::records::SampleId;
 use crate::texture::Texture;
