@@ -342,7 +342,7 @@ mod tests {
             for k in 0..400 {
                 let turn = |i: i32| libm::sinf((k * i) as f32 * 0.7);
                 let normal = [turn(3), turn(5), turn(7)];
-                let position = [0, 1, 2].map(|i| sphere.center[i] + normal[i]);
+                let position = [0, 1, 2].map(|i| sphere.center[i] as f32 + normal[i]);
                 let row = |r: &[f32; 4]| crate::math::dot([r[0], r[1], r[2]], position) + r[3];
                 let w = if p.ortho { 1.0 } else { row(&p.w) };
                 let (x, y) = ((row(&p.x) / w) as i32, (row(&p.y) / w) as i32);
