@@ -44,8 +44,8 @@ use tile::Scratch;
 pub enum Refinement {
     /// The same level everywhere, 0 to 10.
     Uniform(u32),
-    /// As fine as the picture asks for, edge by edge and block by block; the limit surface of quads alone. Others, and other drawings, get a
-    /// level from the length of their edges.
+    /// As fine as the picture asks for, edge by edge and block by block; the limit surface alone. Other drawings get a level from the
+    /// length of their edges.
     Adaptive(Flatness),
     /// Per model, from the length of its edges on the screen, up to a limit.
     ByEdgeLength {
@@ -389,11 +389,7 @@ impl Renderer {
         for (object, level) in scene.objects.iter().zip(levels) {
             let surface = &object.surface;
             let wanted = match self.refinement {
-                Refinement::Adaptive(flatness)
-                    if self.drawing == Drawing::Limit && surface.has_quads() =>
-                {
-                    flatness
-                }
+                Refinement::Adaptive(flatness) if self.drawing == Drawing::Limit => flatness,
                 _ => {
                     out.push(None);
                     continue;
