@@ -52,6 +52,7 @@ pub mod limits;
 pub mod load;
 pub mod math;
 pub mod mesh;
+pub mod patch;
 pub mod raster;
 pub mod records;
 pub mod refine;

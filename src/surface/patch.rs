@@ -1,11 +1,12 @@
 //! A quad of a surface with all of its channels, prepared for dicing.
 
-use super::{RefinedFans, Surface};
+use super::{PatchCage, RefinedFans, Surface};
 use crate::control::{Fans, Kind};
 use crate::dice::face::{FacePatch, Part, Sides};
 use crate::dice::table::TablePatch;
 use crate::dice::triangle::TrianglePatch;
 use crate::dice::{DiceFault, Target};
+use crate::patch::FacePatches;
 use crate::records::Grid3;
 use crate::simd::Level;
 use std::sync::Arc;
@@ -17,14 +18,16 @@ enum By {
     Quad,
     Triangle,
     Table,
+    Patches,
 }
 
-/// A face of one channel: quad or triangle, or of an interpolating scheme.
+/// A face of one channel: quad or triangle, of an interpolating scheme, or by patches in place of the limit surface.
 #[derive(Clone, Debug, Default)]
 struct ChannelPatch {
     quad: FacePatch,
     triangle: TrianglePatch,
     table: TablePatch,
+    patches: FacePatches,
     by: By,
 }
 
@@ -41,6 +44,7 @@ impl ChannelPatch {
         self.quad.simd = simd;
         self.triangle.simd = simd;
         self.table.simd = simd;
+        self.patches.simd = simd;
     }
 
     /// Prepares face `q` of a channel; false when the surface has no such channel.
@@ -87,11 +91,39 @@ impl ChannelPatch {
         true
     }
 
+    /// Prepares the patches of face `q`; false when the limit surface itself is wanted.
+    fn prepare_patches(&mut self, surface: &Surface, q: u32, level: u32, sides: Sides) -> bool {
+        match &surface.patches {
+            None => return false,
+            Some(PatchCage::Pn(cage)) => {
+                let split = surface.is_split();
+                let (t, points) = (&surface.mesh.base, &surface.cage.points);
+                self.patches.take(cage, t, points, q, split, level);
+            }
+            Some(PatchCage::Qas) => {
+                let wanted = Wanted {
+                    target: Target::Limit,
+                    level: 1,
+                    sides: sides.max(Sides::Points),
+                };
+                self.prepare(surface, Kind::Points, q, None, wanted);
+                let mut samples = self.patches.samples.take().unwrap_or_default();
+                let normals = (sides == Sides::Normals).then_some(&mut *samples.normals);
+                self.dice(0, 0, &mut samples.points, normals);
+                self.patches.samples = Some(samples);
+                self.patches.fit(surface.triangles, level);
+            }
+        }
+        self.by = By::Patches;
+        true
+    }
+
     fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
         match self.by {
             By::Quad => self.quad.dice_part(part, points, normals),
             By::Triangle => self.triangle.dice_part(part, points, normals),
             By::Table => self.table.dice_part(part, points, normals),
+            By::Patches => self.patches.dice_part(part, points, normals),
         }
     }
 
@@ -100,6 +132,7 @@ impl ChannelPatch {
             By::Quad => self.quad.side(c, points, normals),
             By::Triangle => self.triangle.side(c, points, normals),
             By::Table => self.table.side(c, points, normals),
+            By::Patches => self.patches.side(c, points, normals),
         }
     }
 
@@ -108,6 +141,7 @@ impl ChannelPatch {
             By::Quad => self.quad.part_hull(part, out),
             By::Triangle => self.triangle.part_hull(part, out),
             By::Table => self.table.part_hull(part, out),
+            By::Patches => self.patches.part_hull(part, out),
         }
     }
 
@@ -116,6 +150,7 @@ impl ChannelPatch {
             By::Quad => self.quad.dice(bu, bv, points, normals),
             By::Triangle => self.triangle.dice(bu, bv, points, normals),
             By::Table => self.table.dice(bu, bv, points, normals),
+            By::Patches => self.patches.dice(bu, bv, points, normals),
         }
     }
 
@@ -124,6 +159,7 @@ impl ChannelPatch {
             By::Quad => self.quad.hull(out),
             By::Triangle => self.triangle.hull(out),
             By::Table => self.table.hull(out),
+            By::Patches => self.patches.hull(out),
         }
     }
 
@@ -132,6 +168,7 @@ impl ChannelPatch {
             By::Quad => self.quad.block_hull(bu, bv, out),
             By::Triangle => self.triangle.block_hull(bu, bv, out),
             By::Table => self.table.block_hull(bu, bv, out),
+            By::Patches => self.patches.block_hull(bu, bv, out),
         }
     }
 }
@@ -196,6 +233,9 @@ impl QuadPatch {
         self.uv_ready = false;
         self.color_ready = false;
         self.triangle = surface.triangles;
+        if refined.is_none() && self.points.prepare_patches(surface, q, level, sides) {
+            return;
+        }
         let target = match refined {
             Some(_) if !surface.linear => Target::Refined,
             _ => Target::Limit,
@@ -298,6 +338,11 @@ impl QuadPatch {
     /// Colours of a part.
     pub(crate) fn dice_part_colors(&self, part: Part, out: &mut Grid3) {
         self.colors.dice_part(part, out, None);
+    }
+
+    /// Point and unit normal at (`u`, `v`) of the patches that were prepared.
+    pub(super) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
+        self.points.patches.at(u, v)
     }
 
     /// Samples of side `c` of a quad, at the level that was prepared.
