@@ -106,6 +106,11 @@ impl TablePatch {
         self.wanted = sides;
     }
 
+    /// Whether its faces are triangles.
+    pub(crate) fn is_triangular(&self) -> bool {
+        self.channel.as_deref().is_some_and(|c| c.triangular)
+    }
+
     /// Dices block (`bu`, `bv`), of the size that [`FacePatch::block_size`] says.
     pub(crate) fn dice(
         &self,
@@ -301,7 +306,7 @@ impl TablePatch {
 
     /// Interpolating surfaces leave the hull of their control points: only the points themselves tell where they are.
     fn boxed(&self, blocks: impl Iterator<Item = [u32; 2]>, mut out: impl FnMut([f32; 3])) {
-        let triangular = self.channel.as_deref().is_some_and(|c| c.triangular);
+        let triangular = self.is_triangular();
         let mut grid = Grid3::boxed();
         let m = FacePatch::block_size(self.level).cols;
         let patch = Self {

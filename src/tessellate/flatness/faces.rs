@@ -186,7 +186,7 @@ impl<'a> Worker<'a> {
             segments: 1 << log,
         };
         self.patch
-            .dice_part(part, &mut self.points, Some(&mut self.normals));
+            .dice_part(self.surface, part, &mut self.points, Some(&mut self.normals));
         let samples = Samples {
             points: &self.points,
             normals: &self.normals,
