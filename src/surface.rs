@@ -1,6 +1,8 @@
 //! The subdivision surface of a cage: topology once, points as often as they move.
 
 mod diced;
+mod displaced;
+mod jets;
 mod mesh;
 mod patch;
 
@@ -25,6 +27,7 @@ use crate::simd::Level;
 use crate::topology::channel::connect_channel;
 use crate::topology::ears::Ears;
 use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
+use displaced::Displaced;
 use mesh::QuadMesh;
 use std::sync::Arc;
 
@@ -110,6 +113,7 @@ pub struct Surface {
     linear_uv: bool,
     /// Whether faces are triangles, under Loop's scheme and Modified Butterfly.
     triangles: bool,
+    displaced: Option<Arc<Displaced>>,
     warnings: Vec<TopologyWarning>,
 }
 
@@ -168,6 +172,7 @@ impl Surface {
             linear,
             linear_uv: linear || rule == FaceVaryingRule::All,
             triangles,
+            displaced: None,
             warnings,
             cage,
         };
@@ -423,6 +428,17 @@ impl Surface {
         Some([corner(0), corner(1), corner(2), corner(3)])
     }
 
+    /// Topology of the texture coordinates of the quads, cut at seams.
+    fn uv_topology(&self) -> Option<&Topology> {
+        if let Some(tables) = &self.tables {
+            return tables.root(Kind::Uvs).map(|mesh| &mesh.topology);
+        }
+        if let Some(control) = &self.control {
+            return control.root(Kind::Uvs).map(|mesh| &mesh.topology);
+        }
+        self.uv.as_ref().map(QuadMesh::quads)
+    }
+
     /// A walk to single points of an interpolating surface, or to texture coordinates.
     pub(crate) fn walk(&self, kind: Kind) -> Option<Walk<'_>> {
         self.tables.as_ref()?.walk(kind)
@@ -535,6 +551,7 @@ impl Surface {
         if let Some(PatchCage::Pn(pn)) = &mut self.patches {
             pn.move_points(&self.mesh.base, &self.cage.points);
         }
+        self.update_displacement();
         Ok(())
     }
 
@@ -721,7 +738,7 @@ impl Surface {
         for bv in 0..blocks {
             let first = if self.triangles { bv } else { 0 };
             for bu in first..blocks {
-                patch.dice(bu, bv, &mut points, Some(&mut normals));
+                patch.dice(self, bu, bv, &mut points, Some(&mut normals));
                 if let Some(uvs) = uvs.as_deref_mut() {
                     patch.dice_uvs(bu, bv, uvs);
                 }

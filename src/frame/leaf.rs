@@ -10,6 +10,7 @@ use crate::tessellate::{Leaf, Move, Tessellation};
 pub(super) struct Spare {
     first: Box<Grid3>,
     second: Box<Grid3>,
+    hull: Option<Box<Grid3>>,
 }
 
 impl Default for Spare {
@@ -17,6 +18,7 @@ impl Default for Spare {
         Self {
             first: Grid3::boxed(),
             second: Grid3::boxed(),
+            hull: None,
         }
     }
 }
@@ -140,6 +142,9 @@ pub(super) fn hull(
     out: &mut Vec<[f32; 3]>,
 ) {
     let leaf = &tessellation.leaves[item as usize];
+    if surface.displacement().is_some() {
+        return displaced_hull(surface, tessellation, item, scratch, out);
+    }
     scratch.prepare(surface, leaf.quad, u32::from(leaf.reach), Sides::None);
     scratch.patch.part_hull(part(leaf), |p| out.push(p));
     let mut last = None;
@@ -148,11 +153,32 @@ pub(super) fn hull(
             let spare = &mut scratch.spare;
             scratch
                 .patch
-                .dice_part(target(leaf, to), &mut spare.first, None);
+                .dice_part(surface, target(leaf, to), &mut spare.first, None);
             out.push(spare.first.get(0, 0));
             last = Some(to.to);
         }
     }
+}
+
+/// Corners of the box of a displaced leaf: of what is drawn, which no bound of the displacement comes close to.
+fn displaced_hull(
+    surface: &Surface,
+    tessellation: &Tessellation,
+    item: u32,
+    scratch: &mut SourceScratch,
+    out: &mut Vec<[f32; 3]>,
+) {
+    let mut points = scratch.spare.hull.take().unwrap_or_else(Grid3::boxed);
+    dice(surface, tessellation, item, scratch, &mut points, None);
+    let size = block_size(&tessellation.leaves[item as usize]);
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for k in size.indices() {
+        let p = points.at(k);
+        low = [0, 1, 2].map(|k| low[k].min(p[k]));
+        high = [0, 1, 2].map(|k| high[k].max(p[k]));
+    }
+    scratch.spare.hull = Some(points);
+    out.extend((0..8).map(|c| [0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] })));
 }
 
 /// Dices a leaf: points, and what shading needs where asked for.
@@ -177,19 +203,19 @@ pub(super) fn dice(
     let Some(a) = attributes else {
         scratch.prepare(surface, leaf.quad, reach, Sides::Points);
         let SourceScratch { patch, spare, .. } = scratch;
-        patch.dice_part(part, points, None);
+        patch.dice_part(surface, part, points, None);
         apply(leaf, moves, points, None, spare, |part, p, n| {
-            patch.dice_part(part, p, n);
+            patch.dice_part(surface, part, p, n);
         });
         folded(points);
         return;
     };
     scratch.prepare(surface, leaf.quad, reach, Sides::Normals);
     let SourceScratch { patch, spare, .. } = scratch;
-    patch.dice_part(part, points, Some(&mut a.normals));
+    patch.dice_part(surface, part, points, Some(&mut a.normals));
     let normals = Some(&mut *a.normals);
     apply(leaf, moves, points, normals, spare, |part, p, n| {
-        patch.dice_part(part, p, n);
+        patch.dice_part(surface, part, p, n);
     });
     folded(points);
     folded(&mut a.normals);

@@ -174,7 +174,10 @@ impl<'a> Source<'a> {
 
     /// Level 0 of a cage with n-gons: its polygons with limit points at the corners.
     fn is_polygonal(&self) -> bool {
-        self.tessellation.is_none() && self.level == 0 && self.object.surface.is_split()
+        self.tessellation.is_none()
+            && self.level == 0
+            && self.object.surface.is_split()
+            && self.object.surface.displacement().is_none()
     }
 
     /// Level of the quads.
@@ -355,12 +358,12 @@ impl<'a> Source<'a> {
         }
         let Some(a) = attributes else {
             self.prepare(scratch, item, Sides::Points);
-            scratch.patch.dice(bu, bv, points, None);
+            (scratch.patch).dice(&self.object.surface, bu, bv, points, None);
             return;
         };
         self.prepare(scratch, item, Sides::Normals);
         let (surface, patch) = (&self.object.surface, &mut scratch.patch);
-        patch.dice(bu, bv, points, Some(&mut a.normals));
+        patch.dice(surface, bu, bv, points, Some(&mut a.normals));
         if a.wants_uvs && !patch.has_uvs() {
             patch.prepare_uvs(surface, item);
         }
