@@ -87,6 +87,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     } else {
         job.load(&models, &a.model)?
     };
+    job.read_depth_tags(&mut scene, &a.level)?;
     watch::phase(Phase::Measuring);
     let outcome = match a.suite {
         Suite::Refine => refine(job, a, &mut scene)?,

@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 pub enum Stage {
     /// Levels and blocks of an adaptive tessellation.
     Flatness,
+    /// Tags of vertices and the blocks that follow from them.
+    DepthTags,
     /// Hulls and screen boxes.
     Setup,
     /// Bins of tiles.
@@ -23,8 +25,9 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the frame.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Flatness,
+        Self::DepthTags,
         Self::Setup,
         Self::Bin,
         Self::Dice,
@@ -38,6 +41,7 @@ impl Stage {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flatness => "flatness",
+            Self::DepthTags => "depth_tags",
             Self::Setup => "setup",
             Self::Bin => "bin",
             Self::Dice => "dice",
@@ -109,6 +113,8 @@ pub struct FrameStats {
     pub wall: [Duration; 3],
     /// Wall time of the adaptive tessellation.
     pub flatness: Duration,
+    /// Wall time of depth tags and their blocks.
+    pub depth_tags: Duration,
     /// Bytes of adaptive tessellations: blocks with their moved points, and trees of edges.
     pub flatness_bytes: u64,
 }

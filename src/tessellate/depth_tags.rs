@@ -1,0 +1,318 @@
+//! Depth tags: an integer per vertex of the cage says how deep the surface is cut up near it.
+//!
+//! After Boubekeur and Schlick, *Generic Adaptive Mesh Refinement* (GPU Gems 3, 2007), and their *QAS: Real-time Quadratic Approximation
+//! of Subdivision Surfaces* (2007). Tags come from the distance of the eye, from curvature, from both, or from the user
+//! ([`DepthTags`]). The depth of an edge is the mean of its two tags, rounded up: nothing else enters, so both of its faces find the same
+//! and no crack can open. The inner depth of a face is the largest of its edges'.
+//!
+//! Depths count steps from the cage. A cage with other polygons than quads is split once: an edge of depth `d` is two halves of depth
+//! `d - 1`, and the edges to the middle of a face have its inner depth less one. Depth 0 is drawn as depth 1 there, as the middles of edges
+//! are corners of the quads.
+
+mod parse;
+mod tags;
+
+pub use parse::{DepthTagsError, parse};
+
+use super::{CHUNK, Leaf, Move, Tessellation};
+use crate::dice::MAX_LEVEL;
+use crate::dice::face::Sides;
+use crate::limits::{Budget, LimitError, Limits};
+use crate::simd::Level;
+use crate::surface::{QuadPatch, Surface};
+use rayon::prelude::*;
+
+pub(crate) use tags::vertex_tags;
+
+/// Deepest tag.
+pub const MAX_DEPTH: u32 = MAX_LEVEL;
+
+/// Micro-quads along the side of a block, as a power of two.
+const MAX_LOG: u32 = 5;
+
+/// Where the tags of vertices come from. Of distance and curvature together the lesser counts: what is flat or far away needs few points.
+/// Tags given with an object ([`Object::depth_tags`](crate::frame::Object::depth_tags)) are the least that is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DepthTags {
+    /// By the distance of the eye: deep enough for the edges of the cage at the vertex to be cut into pieces of so many pixels.
+    pub distance: Option<f32>,
+    /// By curvature: deep enough for unit normals to turn by so many degrees along a piece of the edges at the vertex. Curvature is taken
+    /// from the limit normals at the ends of edges; infinite creases are none.
+    pub curvature: Option<f32>,
+}
+
+impl DepthTags {
+    /// Only the tags that objects bring along.
+    pub const GIVEN: Self = Self {
+        distance: None,
+        curvature: None,
+    };
+
+    /// By distance: pieces of 5 pixels.
+    #[must_use]
+    pub const fn by_distance() -> Self {
+        Self {
+            distance: Some(5.0),
+            ..Self::GIVEN
+        }
+    }
+
+    /// By curvature: pieces of 4 degrees.
+    #[must_use]
+    pub const fn by_curvature() -> Self {
+        Self {
+            curvature: Some(4.0),
+            ..Self::GIVEN
+        }
+    }
+
+    /// By both.
+    #[must_use]
+    pub const fn by_distance_and_curvature() -> Self {
+        Self {
+            curvature: Self::by_curvature().curvature,
+            ..Self::by_distance()
+        }
+    }
+}
+
+/// Depth of an edge between vertices with these tags.
+#[must_use]
+pub const fn edge_depth(a: u8, b: u8) -> u32 {
+    (a as u32 + b as u32).div_ceil(2)
+}
+
+/// Depths of the sides of every face of the surface's own faces, and the inner depth, in steps of these faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct FaceDepths {
+    pub(crate) inner: u32,
+    pub(crate) sides: [u32; 4],
+}
+
+/// Depths of face `q` of the surface's own faces: quads (or triangles, whose fourth side is 0).
+pub(crate) fn face_depths(surface: &Surface, tags: &[u8], q: u32) -> FaceDepths {
+    let base = surface.topology();
+    let edge = |h: u32| {
+        let [a, b] = [h, base.next(h)].map(|h| tags[base.vertex(h) as usize]);
+        edge_depth(a, b)
+    };
+    let face = match surface.is_split() {
+        true => base.face_of(q),
+        false => q,
+    };
+    let halves = base.face_halves(face);
+    let inner = halves.clone().map(edge).max().unwrap_or(0);
+    if surface.is_split() {
+        let halved = |d: u32| d.saturating_sub(1);
+        let inner = halved(inner);
+        let sides = [halved(edge(q)), inner, inner, halved(edge(base.prev(q)))];
+        return FaceDepths { inner, sides };
+    }
+    let mut sides = [0; 4];
+    for (side, h) in sides.iter_mut().zip(halves) {
+        *side = edge(h);
+    }
+    FaceDepths { inner, sides }
+}
+
+/// Depth of the deepest edge, in steps of the cage: the level that is drawn where there are no blocks.
+pub(crate) fn deepest(surface: &Surface, tags: &[u8]) -> u32 {
+    let base = surface.topology();
+    let halves = 0..base.half_count() as u32;
+    let depth = halves
+        .filter(|&h| !base.is_hole(base.face_of(h)))
+        .map(|h| {
+            edge_depth(
+                tags[base.vertex(h) as usize],
+                tags[base.vertex(base.next(h)) as usize],
+            )
+        })
+        .max()
+        .unwrap_or(0);
+    depth.max(u32::from(surface.is_split()))
+}
+
+/// Blocks of a surface of quads by the tags of its cage's vertices. `is_drawn` says of a quad, and points whose hull holds it, whether it
+/// is wanted at all.
+///
+/// # Errors
+/// A budget was reached.
+pub(crate) fn tessellate(
+    surface: &Surface,
+    tags: &[u8],
+    limits: &Limits,
+    budget: &mut Budget<'_>,
+    is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
+) -> Result<Tessellation, LimitError> {
+    surface.try_ensure(MAX_LEVEL, budget)?;
+    let faces = surface.quads().face_count();
+    let bytes: u128 = (0..faces as u32)
+        .map(|q| predicted_bytes(&face_depths(surface, tags, q)))
+        .sum();
+    // Chunks are joined: everything is there twice.
+    budget.take("the blocks of the tessellation", bytes, bytes)?;
+    let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
+        .into_par_iter()
+        .map_init(
+            || (QuadPatch::for_level(Level::detect()), Vec::new()),
+            |(patch, hull), k| {
+                limits.check()?;
+                let mut out = Tessellation::default();
+                for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
+                    let q = q as u32;
+                    hull.clear();
+                    patch.prepare_points(surface, q, MAX_LEVEL, None, Sides::Hull);
+                    patch.hull(|p| hull.push(p));
+                    if is_drawn(q, hull) {
+                        face_blocks(q, &face_depths(surface, tags, q), &mut out);
+                    }
+                }
+                Ok(out)
+            },
+        )
+        .collect::<Result<_, LimitError>>()?;
+    let mut out = Tessellation::default();
+    for part in &parts {
+        out.append(part);
+    }
+    Ok(out)
+}
+
+/// Bytes of a face's blocks and of what is moved along its sides.
+fn predicted_bytes(depths: &FaceDepths) -> u128 {
+    let blocks = 1_u128 << (2 * depths.inner.saturating_sub(MAX_LOG));
+    let rim: u128 = depths
+        .sides
+        .map(|d| rim_moves(depths.inner, d))
+        .iter()
+        .sum();
+    blocks * size_of::<Leaf>() as u128 + rim * size_of::<Move>() as u128
+}
+
+/// Points along a side that are drawn elsewhere.
+fn rim_moves(inner: u32, side: u32) -> u128 {
+    if side < inner {
+        (1 << inner) - (1 << side)
+    } else {
+        0
+    }
+}
+
+/// Square blocks of one level over all of a quad.
+fn face_blocks(q: u32, depths: &FaceDepths, out: &mut Tessellation) {
+    let level = depths.inner;
+    let log = level.min(MAX_LOG);
+    let (n, count) = (1_u32 << log, 1_u32 << (level - log));
+    for by in 0..count {
+        for bx in 0..count {
+            let start = [bx * n, by * n];
+            rim(depths, start, n, &mut out.moves);
+            out.leaves.push(Leaf {
+                quad: q,
+                reach: level as u8,
+                level: level as u8,
+                log: log as u8,
+                start: start.map(|k| k as u16),
+                moves_end: out.moves.len() as u32,
+            });
+        }
+    }
+}
+
+/// Points of a block's rim that lie on a coarser side of the face go to the nearest that it has, of two equally near ones to the first along
+/// the side. Along the sides of the face all points of the edge are drawn by both faces, whichever of them move.
+fn rim(depths: &FaceDepths, start: [u32; 2], n: u32, out: &mut Vec<Move>) {
+    let full = 1_u32 << depths.inner;
+    let nearest = |c: usize, t: u32| {
+        let step = full >> depths.sides[c];
+        (t + (step - 1) / 2) / step * step
+    };
+    let on_side = |c: usize, [x, y]: [u32; 2]| match c {
+        0 if y == 0 => Some([nearest(0, x), 0]),
+        1 if x == full => Some([full, nearest(1, y)]),
+        2 if y == full => Some([full - nearest(2, full - x), full]),
+        3 if x == 0 => Some([0, full - nearest(3, full - y)]),
+        _ => None,
+    };
+    for c in 0..4 {
+        for k in 0..n {
+            let [i, j] = match c {
+                0 => [k, 0],
+                1 => [n, k],
+                2 => [n - k, n],
+                _ => [0, n - k],
+            };
+            let at = [start[0] + i, start[1] + j];
+            let mut to = on_side(c, at).unwrap_or(at);
+            // The block's corner at the start of its side may lie on the face's side before it.
+            if k == 0 && to == at {
+                to = on_side((c + 3) % 4, at).unwrap_or(at);
+            }
+            if to != at {
+                out.push(Move {
+                    at: [i as u8, j as u8],
+                    to: to.map(|k| k as u16),
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depths_of_edges_are_means_rounded_up() {
+        assert_eq!(edge_depth(0, 0), 0);
+        assert_eq!(edge_depth(0, 1), 1);
+        assert_eq!(edge_depth(3, 6), 5);
+        assert_eq!(edge_depth(10, 10), 10);
+    }
+
+    /// Every point of a side that is drawn is one of the edge's, and all of them are.
+    #[test]
+    fn sides_are_drawn_with_the_points_of_their_edges() {
+        for inner in 0..=7 {
+            for sides in [[0, 1, 2, 3], [inner, 0, inner, 2], [0; 4], [4, 7, 1, 0]] {
+                let sides = sides.map(|d: u32| d.min(inner));
+                let depths = FaceDepths { inner, sides };
+                let mut t = Tessellation::default();
+                face_blocks(0, &depths, &mut t);
+                let n = 1_u32 << inner;
+                let mut seen = [0, 1, 2, 3].map(|_| std::collections::BTreeSet::new());
+                for (k, leaf) in t.leaves.iter().enumerate() {
+                    let size = 1_u32 << leaf.log;
+                    let start = leaf.start.map(u32::from);
+                    let moves = t.moves(k);
+                    for j in 0..=size {
+                        for i in 0..=size {
+                            let own = [start[0] + i, start[1] + j];
+                            let moved = moves.iter().find(|m| m.at.map(u32::from) == [i, j]);
+                            let [x, y] = moved.map_or(own, |m| m.to.map(u32::from));
+                            for (c, on, t) in [
+                                (0, own[1] == 0, x),
+                                (1, own[0] == n, y),
+                                (2, own[1] == n, n - x),
+                                (3, own[0] == 0, n - y),
+                            ] {
+                                if on {
+                                    seen[c].insert(t);
+                                }
+                            }
+                        }
+                    }
+                }
+                for c in 0..4 {
+                    let step = n >> sides[c];
+                    let want: Vec<u32> = (0..=1 << sides[c]).map(|k| k * step).collect();
+                    assert!(
+                        seen[c].iter().copied().eq(want),
+                        "{depths:?} side {c}: {:?}",
+                        seen[c]
+                    );
+                }
+            }
+        }
+    }
+}
