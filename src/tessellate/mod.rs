@@ -11,11 +11,13 @@
 pub(crate) mod blocks;
 pub mod depth_tags;
 pub mod flatness;
+pub mod patterns;
 mod quadtree;
 mod tree;
 
 pub use depth_tags::DepthTags;
 pub use flatness::Flatness;
+pub use patterns::Pattern;
 
 /// Faces that one thread looks at, at a time.
 const CHUNK: usize = 256;
