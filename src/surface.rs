@@ -513,15 +513,23 @@ impl Surface {
     }
     /// [`Surface::quads`] as they hang together, infinite creases not cut open. Faces and half-edges have the same numbers.
     pub(crate) fn whole_quads(&self) -> &Topology {
+        if let Some(tables) = &self.tables {
+            return tables.whole();
+        }
         match &self.control {
             Some(control) => control.whole(),
             None => self.mesh.quads(),
         }
     }
 
-    /// Whether faces are quads with control points of their own, not triangles and not tables of an interpolating scheme.
-    pub(crate) fn has_quads(&self) -> bool {
-        !self.triangles && self.tables.is_none()
+    /// Whether faces are diced by tables, which are made for one level at a time.
+    pub(crate) fn has_tables(&self) -> bool {
+        self.tables.is_some()
+    }
+
+    /// By how many steps the whole mesh is refined before tables of `level` are applied, once those are made.
+    pub(crate) fn table_depth(&self, level: u32) -> Option<u32> {
+        Some(self.tables.as_ref()?.table_bytes(level)?.2)
     }
 
     /// The ears of the quads, in the layout of the published buffers.

@@ -62,6 +62,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "frame",
         &[
             "tessellate",
+            "evaluate",
             "math",
             "simd",
             "records",

@@ -88,9 +88,23 @@ pub(super) fn block_size(leaf: &Leaf) -> BlockSize {
     BlockSize { cols: n, rows: n }
 }
 
+/// Whether a leaf is the lower half of its square.
+fn is_half(tessellation: &Tessellation, leaf: &Leaf) -> bool {
+    tessellation.triangular && leaf.is_diagonal()
+}
+
+/// Repeats the diagonal above it, so that no triangle there has an area.
+fn fold(leaf: &Leaf, grid: &mut Grid3) {
+    for j in 1..=1_usize << leaf.log {
+        let p = grid.get(j, j);
+        (0..j).for_each(|i| grid.set(i, j, p));
+    }
+}
+
 /// Micro-triangles with an area. A point that moves takes the edge behind it away.
 pub(super) fn triangles(tessellation: &Tessellation) -> u64 {
-    let all = tessellation.leaves.iter().map(|l| 2 << (2 * l.log));
+    let leaves = tessellation.leaves.iter();
+    let all = leaves.map(|l| (2 - u64::from(is_half(tessellation, l))) << (2 * l.log));
     all.sum::<u64>() - tessellation.move_count() as u64
 }
 
@@ -107,6 +121,12 @@ pub(super) fn places(tessellation: &Tessellation, item: u32) -> Vec<[f32; 2]> {
     for to in tessellation.moves(item as usize) {
         let [i, j] = to.at.map(u32::from);
         out[(j * n + i) as usize] = to.to.map(|k| f32::from(k) * scale(leaf.reach));
+    }
+    if is_half(tessellation, leaf) {
+        for j in 1..n {
+            let p = out[(j * n + j) as usize];
+            (0..j).for_each(|i| out[(j * n + i) as usize] = p);
+        }
     }
     out
 }
@@ -146,6 +166,13 @@ pub(super) fn dice(
 ) {
     let leaf = &tessellation.leaves[item as usize];
     let moves = tessellation.moves(item as usize);
+    // Dicing folds what it dices; moved points are folded here.
+    let half = is_half(tessellation, leaf) && !moves.is_empty();
+    let folded = |grid: &mut Grid3| {
+        if half {
+            fold(leaf, grid);
+        }
+    };
     let (part, reach) = (part(leaf), u32::from(leaf.reach));
     let Some(a) = attributes else {
         scratch.prepare(surface, leaf.quad, reach, Sides::Points);
@@ -154,6 +181,7 @@ pub(super) fn dice(
         apply(leaf, moves, points, None, spare, |part, p, n| {
             patch.dice_part(part, p, n);
         });
+        folded(points);
         return;
     };
     scratch.prepare(surface, leaf.quad, reach, Sides::Normals);
@@ -163,6 +191,8 @@ pub(super) fn dice(
     apply(leaf, moves, points, normals, spare, |part, p, n| {
         patch.dice_part(part, p, n);
     });
+    folded(points);
+    folded(&mut a.normals);
     if a.wants_uvs && !patch.has_uvs() {
         patch.prepare_uvs(surface, leaf.quad);
     }
@@ -172,6 +202,7 @@ pub(super) fn dice(
         apply(leaf, moves, &mut a.uvs, None, spare, |part, p, _| {
             patch.dice_part_uvs(part, p);
         });
+        folded(&mut a.uvs);
     }
     a.has_colors = patch.prepare_colors(surface, leaf.quad);
     if a.has_colors {
@@ -179,5 +210,6 @@ pub(super) fn dice(
         apply(leaf, moves, &mut a.colors, None, spare, |part, p, _| {
             patch.dice_part_colors(part, p);
         });
+        folded(&mut a.colors);
     }
 }

@@ -44,11 +44,10 @@ use tile::Scratch;
 pub enum Refinement {
     /// The same level everywhere, 0 to 10.
     Uniform(u32),
-    /// As fine as the picture asks for, edge by edge and block by block; the limit surface of quads alone. Others, and other drawings, get a
-    /// level from the length of their edges.
+    /// As fine as the picture asks for, edge by edge and block by block; the limit surface alone. Other drawings get a level from the
+    /// length of their edges.
     Adaptive(Flatness),
-    /// By integers at the vertices of the cage, 0 to 10; the limit surface of quads alone. Others, and other drawings, get the level of their
-    /// deepest edge.
+    /// By integers at the vertices of the cage, 0 to 10; the limit surface alone. Other drawings get the level of their deepest edge.
     DepthTags(DepthTags),
     /// Per model, from the length of its edges on the screen, up to a limit.
     ByEdgeLength {
@@ -401,7 +400,7 @@ impl Renderer {
         let mut out = Vec::new();
         for (object, level) in scene.objects.iter().zip(levels) {
             let surface = &object.surface;
-            if self.drawing != Drawing::Limit || !surface.has_quads() {
+            if self.drawing != Drawing::Limit {
                 out.push(None);
                 continue;
             }

@@ -87,6 +87,30 @@ impl ChannelPatch {
         true
     }
 
+    fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        match self.by {
+            By::Quad => self.quad.dice_part(part, points, normals),
+            By::Triangle => self.triangle.dice_part(part, points, normals),
+            By::Table => self.table.dice_part(part, points, normals),
+        }
+    }
+
+    fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
+        match self.by {
+            By::Quad => self.quad.side(c, points, normals),
+            By::Triangle => self.triangle.side(c, points, normals),
+            By::Table => self.table.side(c, points, normals),
+        }
+    }
+
+    fn part_hull(&self, part: Part, out: impl FnMut([f32; 3])) {
+        match self.by {
+            By::Quad => self.quad.part_hull(part, out),
+            By::Triangle => self.triangle.part_hull(part, out),
+            By::Table => self.table.part_hull(part, out),
+        }
+    }
+
     fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
         match self.by {
             By::Quad => self.quad.dice(bu, bv, points, normals),
@@ -260,30 +284,30 @@ impl QuadPatch {
 
     /// Dices a part of a quad, of the level that was prepared or a coarser one.
     pub(crate) fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
-        self.points.quad.dice_part(part, points, normals);
+        self.points.dice_part(part, points, normals);
     }
 
     /// Texture coordinates of a part.
     pub(crate) fn dice_part_uvs(&self, part: Part, out: &mut Grid3) {
         match self.linear {
             Some(_) => self.linear_uvs(part, out),
-            None => self.uvs.quad.dice_part(part, out, None),
+            None => self.uvs.dice_part(part, out, None),
         }
     }
 
     /// Colours of a part.
     pub(crate) fn dice_part_colors(&self, part: Part, out: &mut Grid3) {
-        self.colors.quad.dice_part(part, out, None);
+        self.colors.dice_part(part, out, None);
     }
 
     /// Samples of side `c` of a quad, at the level that was prepared.
     pub(crate) fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
-        self.points.quad.side(c, points, normals);
+        self.points.side(c, points, normals);
     }
 
     /// Points whose convex hull holds a part.
     pub(crate) fn part_hull(&self, part: Part, out: impl FnMut([f32; 3])) {
-        self.points.quad.part_hull(part, out);
+        self.points.part_hull(part, out);
     }
 
     pub(crate) fn hull(&self, out: impl FnMut([f32; 3])) {

@@ -14,7 +14,7 @@ mod tags;
 
 pub use parse::{DepthTagsError, parse};
 
-use super::{CHUNK, Leaf, Move, Tessellation};
+use super::{CHUNK, Leaf, Move, Reach, Tessellation};
 use crate::dice::MAX_LEVEL;
 use crate::dice::face::Sides;
 use crate::limits::{Budget, LimitError, Limits};
@@ -89,7 +89,7 @@ pub(crate) struct FaceDepths {
     pub(crate) sides: [u32; 4],
 }
 
-/// Depths of face `q` of the surface's own faces: quads (or triangles, whose fourth side is 0).
+/// Depths of face `q` of the surface's own faces: quads, or triangles, whose fourth side is 0.
 pub(crate) fn face_depths(surface: &Surface, tags: &[u8], q: u32) -> FaceDepths {
     let base = surface.topology();
     let edge = |h: u32| {
@@ -132,8 +132,8 @@ pub(crate) fn deepest(surface: &Surface, tags: &[u8]) -> u32 {
     depth.max(u32::from(surface.is_split()))
 }
 
-/// Blocks of a surface of quads by the tags of its cage's vertices. `is_drawn` says of a quad, and points whose hull holds it, whether it
-/// is wanted at all.
+/// Blocks of a surface by the tags of its cage's vertices. `is_drawn` says of a face, and points whose hull holds it, whether it is wanted at
+/// all.
 ///
 /// # Errors
 /// A budget was reached.
@@ -144,11 +144,23 @@ pub(crate) fn tessellate(
     budget: &mut Budget<'_>,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
 ) -> Result<Tessellation, LimitError> {
-    surface.try_ensure(MAX_LEVEL, budget)?;
     let faces = surface.quads().face_count();
-    let bytes: u128 = (0..faces as u32)
-        .map(|q| predicted_bytes(&face_depths(surface, tags, q)))
-        .sum();
+    let depths: Vec<FaceDepths> = (0..faces as u32)
+        .map(|q| face_depths(surface, tags, q))
+        .collect();
+    let deepest = depths.iter().map(|d| d.inner).max().unwrap_or(0);
+    let level = match surface.has_tables() {
+        true => deepest,
+        false => MAX_LEVEL,
+    };
+    surface.try_ensure(level, budget)?;
+    let reach = Reach {
+        level,
+        always: surface.has_tables(),
+        squares: MAX_LEVEL,
+    };
+    let triangular = surface.is_triangular();
+    let bytes: u128 = depths.iter().map(predicted_bytes).sum();
     // Chunks are joined: everything is there twice.
     budget.take("the blocks of the tessellation", bytes, bytes)?;
     let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
@@ -158,20 +170,24 @@ pub(crate) fn tessellate(
             |(patch, hull), k| {
                 limits.check()?;
                 let mut out = Tessellation::default();
-                for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
+                for (q, depths) in depths.iter().enumerate().skip(k * CHUNK).take(CHUNK) {
                     let q = q as u32;
                     hull.clear();
-                    patch.prepare_points(surface, q, MAX_LEVEL, None, Sides::Hull);
+                    patch.prepare_points(surface, q, level, None, Sides::Hull);
                     patch.hull(|p| hull.push(p));
                     if is_drawn(q, hull) {
-                        face_blocks(q, &face_depths(surface, tags, q), &mut out);
+                        let prepared = reach.prepared(depths.inner);
+                        face_blocks(q, depths, triangular, prepared, &mut out);
                     }
                 }
                 Ok(out)
             },
         )
         .collect::<Result<_, LimitError>>()?;
-    let mut out = Tessellation::default();
+    let mut out = Tessellation {
+        triangular,
+        ..Tessellation::default()
+    };
     for part in &parts {
         out.append(part);
     }
@@ -198,18 +214,18 @@ fn rim_moves(inner: u32, side: u32) -> u128 {
     }
 }
 
-/// Square blocks of one level over all of a quad.
-fn face_blocks(q: u32, depths: &FaceDepths, out: &mut Tessellation) {
+/// Square blocks of one level over all of a face; of a triangle, those on the diagonal are half.
+fn face_blocks(q: u32, depths: &FaceDepths, triangular: bool, reach: u32, out: &mut Tessellation) {
     let level = depths.inner;
     let log = level.min(MAX_LOG);
     let (n, count) = (1_u32 << log, 1_u32 << (level - log));
     for by in 0..count {
-        for bx in 0..count {
+        for bx in if triangular { by } else { 0 }..count {
             let start = [bx * n, by * n];
-            rim(depths, start, n, &mut out.moves);
+            rim(depths, triangular, start, n, reach, &mut out.moves);
             out.leaves.push(Leaf {
                 quad: q,
-                reach: level as u8,
+                reach: reach as u8,
                 level: level as u8,
                 log: log as u8,
                 start: start.map(|k| k as u16),
@@ -219,39 +235,65 @@ fn face_blocks(q: u32, depths: &FaceDepths, out: &mut Tessellation) {
     }
 }
 
-/// Points of a block's rim that lie on a coarser side of the face go to the nearest that it has, of two equally near ones to the first along
-/// the side. Along the sides of the face all points of the edge are drawn by both faces, whichever of them move.
-fn rim(depths: &FaceDepths, start: [u32; 2], n: u32, out: &mut Vec<Move>) {
-    let full = 1_u32 << depths.inner;
+/// Where a point of a face's grid is drawn: on a coarser side at the nearest point that it has, of two equally near ones the first along the
+/// side. Every point of an edge is drawn by both of its faces, whatever moves.
+fn drawn(depths: &FaceDepths, triangular: bool, [x, y]: [u32; 2]) -> [u32; 2] {
+    let n = 1_u32 << depths.inner;
     let nearest = |c: usize, t: u32| {
-        let step = full >> depths.sides[c];
+        let step = n >> depths.sides[c].min(depths.inner);
         (t + (step - 1) / 2) / step * step
     };
-    let on_side = |c: usize, [x, y]: [u32; 2]| match c {
-        0 if y == 0 => Some([nearest(0, x), 0]),
-        1 if x == full => Some([full, nearest(1, y)]),
-        2 if y == full => Some([full - nearest(2, full - x), full]),
-        3 if x == 0 => Some([0, full - nearest(3, full - y)]),
-        _ => None,
-    };
-    for c in 0..4 {
+    // Corners of the face lie on two sides, and stay.
+    if y == 0 {
+        [nearest(0, x), 0]
+    } else if x == n {
+        [n, nearest(1, y)]
+    } else if triangular {
+        match x == y {
+            true => [n - nearest(2, n - x); 2],
+            false => [x, y],
+        }
+    } else if y == n {
+        [n - nearest(2, n - x), n]
+    } else if x == 0 {
+        [0, n - nearest(3, n - y)]
+    } else {
+        [x, y]
+    }
+}
+
+/// The moves of a block's rim.
+fn rim(
+    depths: &FaceDepths,
+    triangular: bool,
+    start: [u32; 2],
+    n: u32,
+    reach: u32,
+    out: &mut Vec<Move>,
+) {
+    let full = 1_u32 << depths.inner;
+    let up = reach - depths.inner;
+    let half = triangular && start[0] == start[1];
+    let inside = start[1] > 0 && start.iter().all(|&s| s + n < full);
+    // Blocks of a triangle beside those on the diagonal touch it by a corner.
+    if inside && (triangular && start[0] > start[1] + n || !triangular && start[0] > 0) {
+        return;
+    }
+    for c in 0..if half { 3 } else { 4 } {
         for k in 0..n {
             let [i, j] = match c {
                 0 => [k, 0],
                 1 => [n, k],
+                2 if half => [n - k; 2],
                 2 => [n - k, n],
                 _ => [0, n - k],
             };
             let at = [start[0] + i, start[1] + j];
-            let mut to = on_side(c, at).unwrap_or(at);
-            // The block's corner at the start of its side may lie on the face's side before it.
-            if k == 0 && to == at {
-                to = on_side((c + 3) % 4, at).unwrap_or(at);
-            }
+            let to = drawn(depths, triangular, at);
             if to != at {
                 out.push(Move {
                     at: [i as u8, j as u8],
-                    to: to.map(|k| k as u16),
+                    to: to.map(|k| (k << up) as u16),
                 });
             }
         }
@@ -278,7 +320,7 @@ mod tests {
                 let sides = sides.map(|d: u32| d.min(inner));
                 let depths = FaceDepths { inner, sides };
                 let mut t = Tessellation::default();
-                face_blocks(0, &depths, &mut t);
+                face_blocks(0, &depths, false, inner, &mut t);
                 let n = 1_u32 << inner;
                 let mut seen = [0, 1, 2, 3].map(|_| std::collections::BTreeSet::new());
                 for (k, leaf) in t.leaves.iter().enumerate() {

@@ -22,6 +22,24 @@ pub use patterns::Pattern;
 /// Faces that one thread looks at, at a time.
 const CHUNK: usize = 256;
 
+/// What faces can be prepared for.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    /// Deepest level.
+    level: u32,
+    /// Whether faces are prepared for that level alone: those of tables.
+    always: bool,
+    /// Depth of the smallest squares that a face is diced in.
+    squares: u32,
+}
+
+impl Reach {
+    /// The level to prepare a face for if points of `level` are wanted.
+    fn prepared(self, level: u32) -> u32 {
+        if self.always { self.level } else { level }
+    }
+}
+
 /// A block of a face: `2^log` by `2^log` micro-quads of level `level`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Leaf {
@@ -51,8 +69,17 @@ pub(crate) struct Move {
 pub(crate) struct Tessellation {
     pub(crate) leaves: Vec<Leaf>,
     moves: Vec<Move>,
+    /// Whether faces are triangles, whose blocks on the diagonal are half.
+    pub(crate) triangular: bool,
     /// Bytes of the edges' trees, for comparison.
     pub(crate) tree_bytes: usize,
+}
+
+impl Leaf {
+    /// Whether it is the lower half of its square, in a tessellation of triangles.
+    pub(crate) fn is_diagonal(&self) -> bool {
+        self.start[0] == self.start[1]
+    }
 }
 
 impl Tessellation {
