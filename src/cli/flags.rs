@@ -7,7 +7,7 @@ use earmark::raster::MAX_SCREEN;
 use earmark::scheme;
 use earmark::shade::ShadeMode;
 use earmark::surface::SurfaceOptions;
-use earmark::tessellate::{DepthTags, Flatness};
+use earmark::tessellate::{self, DepthTags, Flatness};
 use earmark::topology::{ConnectOptions, Topology, TopologyWarning, connect};
 use earmark::{Cage, Camera};
 use std::path::{Path, PathBuf};
@@ -220,6 +220,14 @@ pub(crate) enum SurfaceKind {
     Cage,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Pattern {
+    /// Uniform inside; triangles at deeper edges are split
+    Split,
+    /// Coarser and finer over a distance, triangles near to equilateral
+    Equilateral,
+}
+
 /// What of the surface is drawn, and how finely.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Model")]
@@ -238,6 +246,9 @@ pub(crate) struct LevelFlags {
     /// vertex in the model's order, with white space between them and comments from # on; --max-level does not matter
     #[arg(long, value_name = "SOURCE", conflicts_with_all = ["level", "adaptive"])]
     pub(crate) depth_tags: Option<PathBuf>,
+    /// With --depth-tags: how triangles join edges of unequal depths [default: grids whose points beside a coarser edge are moved to its own]
+    #[arg(long, value_enum, requires = "depth_tags")]
+    pub(crate) pattern: Option<Pattern>,
     /// Highest level that is chosen without --level, 0 to 10
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) max_level: u32,
@@ -254,7 +265,14 @@ impl LevelFlags {
     pub(crate) fn refinement(&self) -> Refinement {
         let max_level = self.max_level;
         if let Some(tags) = self.tag_source() {
-            return Refinement::DepthTags(tags.unwrap_or(DepthTags::GIVEN));
+            let pattern = self.pattern.map(|p| match p {
+                Pattern::Split => tessellate::Pattern::Split,
+                Pattern::Equilateral => tessellate::Pattern::Equilateral,
+            });
+            return Refinement::DepthTags(DepthTags {
+                pattern,
+                ..tags.unwrap_or(DepthTags::GIVEN)
+            });
         }
         match (self.level, self.adaptive) {
             (Some(level), _) => Refinement::Uniform(level),

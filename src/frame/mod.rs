@@ -16,6 +16,7 @@ mod leaf;
 mod level;
 mod scene;
 mod source;
+mod spot;
 mod stats;
 mod tile;
 
@@ -26,6 +27,7 @@ use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
 use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
+use crate::tessellate::patterns::Pool;
 use crate::tessellate::{DepthTags, Flatness, Tessellation, depth_tags, flatness};
 use crate::texture::Texture;
 use rayon::prelude::*;
@@ -89,6 +91,7 @@ pub struct Renderer {
     /// Budgets.
     pub limits: Limits,
     scratch: ScratchPool,
+    patterns: Pool,
 }
 
 /// Buffers of threads, kept from frame to frame: fresh memory for every tile costs more than the tile.
@@ -226,6 +229,7 @@ impl Renderer {
             measure: false,
             limits: Limits::default(),
             scratch: ScratchPool::default(),
+            patterns: Pool::default(),
         }
     }
 
@@ -278,8 +282,10 @@ impl Renderer {
         let mut budget = Budget::new(&self.limits);
         let tessellations = self.tessellations(scene, view, &mut levels, &mut budget)?;
         let spent = begin.elapsed();
+        let patterns = tessellations.iter().flatten().map(|t| t.pattern_time);
+        let patterns = patterns.sum::<Duration>();
         let [flatness, depth_tags] = match self.refinement {
-            Refinement::DepthTags(_) => [Duration::ZERO, spent],
+            Refinement::DepthTags(_) => [Duration::ZERO, spent.saturating_sub(patterns)],
             _ => [spent, Duration::ZERO],
         };
         let flatness_bytes = tessellations
@@ -325,6 +331,7 @@ impl Renderer {
             levels,
             flatness,
             depth_tags,
+            patterns,
             flatness_bytes,
             ..FrameStats::default()
         };
@@ -423,7 +430,8 @@ impl Renderer {
                 }
                 Refinement::DepthTags(wanted) => {
                     let tags = object.tags(view, &wanted);
-                    depth_tags::tessellate(surface, &tags, limits, budget, is_drawn)?
+                    let pattern = wanted.pattern.map(|p| (p, &self.patterns));
+                    depth_tags::tessellate(surface, &tags, pattern, limits, budget, is_drawn)?
                 }
                 Refinement::Uniform(_) | Refinement::ByEdgeLength { .. } => {
                     out.push(None);

@@ -9,6 +9,8 @@ pub enum Stage {
     Flatness,
     /// Tags of vertices and the blocks that follow from them.
     DepthTags,
+    /// Refinement patterns as blocks.
+    Patterns,
     /// Hulls and screen boxes.
     Setup,
     /// Bins of tiles.
@@ -25,9 +27,10 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the frame.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Flatness,
         Self::DepthTags,
+        Self::Patterns,
         Self::Setup,
         Self::Bin,
         Self::Dice,
@@ -42,6 +45,7 @@ impl Stage {
         match self {
             Self::Flatness => "flatness",
             Self::DepthTags => "depth_tags",
+            Self::Patterns => "patterns",
             Self::Setup => "setup",
             Self::Bin => "bin",
             Self::Dice => "dice",
@@ -115,6 +119,8 @@ pub struct FrameStats {
     pub flatness: Duration,
     /// Wall time of depth tags and their blocks.
     pub depth_tags: Duration,
+    /// Wall time of refinement patterns.
+    pub patterns: Duration,
     /// Bytes of adaptive tessellations: blocks with their moved points, and trees of edges.
     pub flatness_bytes: u64,
 }

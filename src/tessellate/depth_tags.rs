@@ -14,13 +14,16 @@ mod tags;
 
 pub use parse::{DepthTagsError, parse};
 
-use super::{CHUNK, Leaf, Move, Reach, Tessellation};
+use super::patterns::{Pattern, Pool};
+use super::{CHUNK, Leaf, Move, NO_LIST, Reach, Tessellation};
 use crate::dice::MAX_LEVEL;
 use crate::dice::face::Sides;
 use crate::limits::{Budget, LimitError, Limits};
 use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::time::Instant;
 
 pub(crate) use tags::vertex_tags;
 
@@ -39,6 +42,9 @@ pub struct DepthTags {
     /// By curvature: deep enough for unit normals to turn by so many degrees along a piece of the edges at the vertex. Curvature is taken
     /// from the limit normals at the ends of edges; infinite creases are none.
     pub curvature: Option<f32>,
+    /// How triangles join edges of unequal depths. `None`: faces are grids of their inner depth, and points beside a coarser edge are moved to
+    /// the nearest that it has.
+    pub pattern: Option<Pattern>,
 }
 
 impl DepthTags {
@@ -46,6 +52,7 @@ impl DepthTags {
     pub const GIVEN: Self = Self {
         distance: None,
         curvature: None,
+        pattern: None,
     };
 
     /// By distance: pieces of 5 pixels.
@@ -140,6 +147,7 @@ pub(crate) fn deepest(surface: &Surface, tags: &[u8]) -> u32 {
 pub(crate) fn tessellate(
     surface: &Surface,
     tags: &[u8],
+    pattern: Option<(Pattern, &Pool)>,
     limits: &Limits,
     budget: &mut Budget<'_>,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
@@ -160,38 +168,119 @@ pub(crate) fn tessellate(
         squares: MAX_LEVEL,
     };
     let triangular = surface.is_triangular();
-    let bytes: u128 = depths.iter().map(predicted_bytes).sum();
-    // Chunks are joined: everything is there twice.
-    budget.take("the blocks of the tessellation", bytes, bytes)?;
-    let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
-        .into_par_iter()
-        .map_init(
+    let mut is_wanted = vec![false; faces];
+    is_wanted
+        .par_chunks_mut(CHUNK)
+        .enumerate()
+        .try_for_each_init(
             || (QuadPatch::for_level(Level::detect()), Vec::new()),
-            |(patch, hull), k| {
+            |(patch, hull), (k, chunk)| {
                 limits.check()?;
-                let mut out = Tessellation::default();
-                for (q, depths) in depths.iter().enumerate().skip(k * CHUNK).take(CHUNK) {
-                    let q = q as u32;
+                for (i, wanted) in chunk.iter_mut().enumerate() {
+                    let q = (k * CHUNK + i) as u32;
                     hull.clear();
                     patch.prepare_points(surface, q, level, None, Sides::Hull);
                     patch.hull(|p| hull.push(p));
-                    if is_drawn(q, hull) {
-                        let prepared = reach.prepared(depths.inner);
-                        face_blocks(q, depths, triangular, prepared, &mut out);
-                    }
+                    *wanted = is_drawn(q, hull);
                 }
-                Ok(out)
+                Ok(())
             },
-        )
-        .collect::<Result<_, LimitError>>()?;
-    let mut out = Tessellation {
+        )?;
+    let faces = Faces {
+        depths: &depths,
+        is_wanted: &is_wanted,
         triangular,
-        ..Tessellation::default()
+        reach,
     };
-    for part in &parts {
-        out.append(part);
+    match pattern {
+        Some((pattern, pool)) => faces.patterns(pattern, pool, limits, budget),
+        None => faces.grids(limits, budget),
     }
-    Ok(out)
+}
+
+/// What is known of the faces of a surface.
+struct Faces<'a> {
+    depths: &'a [FaceDepths],
+    is_wanted: &'a [bool],
+    triangular: bool,
+    reach: Reach,
+}
+
+impl Faces<'_> {
+    /// Those that are drawn, with their depths.
+    fn wanted(&self) -> impl Iterator<Item = (u32, &FaceDepths)> {
+        let all = (0..).zip(self.depths).zip(self.is_wanted);
+        all.filter_map(|(face, &wanted)| wanted.then_some(face))
+    }
+
+    /// Blocks whose triangles beside coarser sides are drawn out to the points of these.
+    fn grids(&self, limits: &Limits, budget: &mut Budget<'_>) -> Result<Tessellation, LimitError> {
+        let bytes: u128 = self.wanted().map(|(_, d)| predicted_bytes(d)).sum();
+        budget.take("the blocks of the tessellation", bytes, 0)?;
+        let mut out = Tessellation {
+            triangular: self.triangular,
+            ..Tessellation::default()
+        };
+        for (k, (q, depths)) in self.wanted().enumerate() {
+            if k % CHUNK == 0 {
+                limits.check()?;
+            }
+            let prepared = self.reach.prepared(depths.inner);
+            face_blocks(q, depths, self.triangular, prepared, &mut out);
+        }
+        Ok(out)
+    }
+
+    /// Blocks of refinement patterns. Faces of one pattern follow each other, so that its lists stay in the cache.
+    fn patterns(
+        &self,
+        pattern: Pattern,
+        pool: &Pool,
+        limits: &Limits,
+        budget: &mut Budget<'_>,
+    ) -> Result<Tessellation, LimitError> {
+        let begin = Instant::now();
+        let mut groups: BTreeMap<[u32; 4], Vec<u32>> = BTreeMap::new();
+        for (q, depths) in self.wanted() {
+            groups.entry(depths.sides).or_default().push(q);
+        }
+        let mut out = Tessellation {
+            triangular: self.triangular,
+            ..Tessellation::default()
+        };
+        for faces in groups.into_values() {
+            let depths = &self.depths[faces[0] as usize];
+            // Inside of a pattern nothing is deeper than its sides.
+            let inner = depths.sides.iter().max().copied().unwrap_or(0);
+            let depths = FaceDepths { inner, ..*depths };
+            let blocks = pool.get(pattern, self.triangular, &depths, limits)?;
+            let bytes = faces.len() * blocks.len() * size_of::<Leaf>();
+            budget.take("the blocks of the tessellation", bytes as u128, 0)?;
+            let first = out.lists.len() as u32;
+            out.lists
+                .extend(blocks.iter().filter_map(|b| b.list.clone()));
+            for q in faces {
+                let mut list = first;
+                for block in &*blocks {
+                    out.leaves.push(Leaf {
+                        quad: q,
+                        reach: self.reach.prepared(inner) as u8,
+                        level: inner as u8,
+                        log: block.log,
+                        start: block.start,
+                        moves_end: 0,
+                        list: match &block.list {
+                            Some(_) => list,
+                            None => NO_LIST,
+                        },
+                    });
+                    list += u32::from(block.list.is_some());
+                }
+            }
+        }
+        out.pattern_time = begin.elapsed();
+        Ok(out)
+    }
 }
 
 /// Bytes of a face's blocks and of what is moved along its sides.
@@ -230,6 +319,7 @@ fn face_blocks(q: u32, depths: &FaceDepths, triangular: bool, reach: u32, out: &
                 log: log as u8,
                 start: start.map(|k| k as u16),
                 moves_end: out.moves.len() as u32,
+                list: NO_LIST,
             });
         }
     }

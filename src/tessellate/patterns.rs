@@ -12,10 +12,12 @@
 //! Places of triangles count from corner 0: `[x, y]` has the weights `x` of corner 1, `y` of corner 2 and the rest of corner 0, in units
 //! of `1 / 2^depth`. Side `k` runs from corner `k` to corner `k + 1`. Places of quads are `[u, v]`, corners and sides as everywhere.
 
+mod pool;
 mod refine;
 mod vertices;
 mod walk;
 
+pub(crate) use pool::{List, Pool};
 pub use refine::{Attribute, Order, RefinedFace, refine};
 pub use vertices::{vertex_index, vertices};
 pub use walk::Triangles;
