@@ -91,6 +91,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     } else {
         job.load(&models, &a.model, &a.level)?
     };
+    job.read_depth_tags(&mut scene, &a.level)?;
     watch::phase(Phase::Measuring);
     let outcome = match a.suite {
         Suite::Refine => refine(job, a, &mut scene)?,

@@ -231,9 +231,16 @@ impl<'a> Source<'a> {
         self.drawing == Drawing::Cage || !self.object.surface.is_triangular() || bv <= bu
     }
 
+    /// Triangles of an item that is drawn as a list of them and not as a grid, by the indices of their points.
+    pub(super) fn list(&self, item: u32) -> Option<&[[u16; 3]]> {
+        let t = self.tessellation.as_ref()?;
+        let list = t.list(&t.leaves[item as usize])?;
+        Some(&list.triangles)
+    }
+
     pub(super) fn block_size(&self, item: u32) -> BlockSize {
         if let Some(t) = &self.tessellation {
-            leaf::block_size(&t.leaves[item as usize])
+            leaf::block_size(t, item)
         } else if self.drawing == Drawing::Cage {
             PAIR
         } else {
