@@ -167,9 +167,26 @@ impl Surface {
     #[inline(always)]
     fn evaluate_one<P: Patches, S: Evaluated>(&self, face: u32, u: f32, v: f32) -> Option<S> {
         let local = P::locate(self, face, u, v)?;
+        if self.is_plain()
+            && let Some(channel) = P::channel(self, Kind::Points)
+            && let Some(sample) = S::at_once::<P>(channel, local)
+        {
+            return Some(sample);
+        }
+        self.evaluate_at::<P, S>(local)
+    }
+
+    #[inline(never)]
+    fn evaluate_at<P: Patches, S: Evaluated>(&self, local: locate::Local) -> Option<S> {
         let source = Source::<P>::new(self, Kind::Points)?;
-        Some(P::with_own(|patches| {
-            source.patch(local, |channel, at, tip| {
+        Some(source.patch(local, |channel, at, tip| {
+            if !self.is_plain()
+                && tip.is_none()
+                && let Some(sample) = S::at_once::<P>(channel, at)
+            {
+                return sample;
+            }
+            P::with_own(|patches| {
                 patches.prepare(channel, at.face);
                 S::evaluate(Asked {
                     patches,

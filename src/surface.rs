@@ -322,6 +322,11 @@ impl Surface {
         self.tables.as_ref()?.walk(kind)
     }
 
+    /// Whether faces are patches without control levels: nothing has to be made before they are evaluated.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.control.is_none() && self.tables.is_none()
+    }
+
     /// The control levels below a channel.
     pub(crate) fn below<'a>(
         &'a self,

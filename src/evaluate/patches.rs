@@ -94,6 +94,8 @@ pub trait Patches: Clone + std::fmt::Debug + Default {
 
     fn prepare(&mut self, channel: Self::Channel<'_>, face: u32);
     fn at<const ORDER: u32>(&mut self, channel: Self::Channel<'_>, u: f32, v: f32) -> Place;
+    /// A face at one place, without preparing it, where there is such a way. The bits are those of [`Patches::at`].
+    fn at_once<const ORDER: u32>(channel: Self::Channel<'_>, at: Local) -> Option<Jet>;
     /// Evaluates a grid of `n` segments row by row; `convert` writes a row's samples.
     fn rows<const ORDER: u32, S>(
         &mut self,
@@ -185,6 +187,10 @@ impl Patches for QuadEvaluator {
     #[inline(always)]
     fn at<const ORDER: u32>(&mut self, channel: Channel<'_>, u: f32, v: f32) -> Place {
         self.at::<ORDER>(channel, u, v)
+    }
+    #[inline(always)]
+    fn at_once<const ORDER: u32>(channel: Channel<'_>, at: Local) -> Option<Jet> {
+        evaluate::at_once::<ORDER>(channel, at.face, at.u, at.v)
     }
     #[inline(always)]
     fn rows<const ORDER: u32, S>(
@@ -281,6 +287,10 @@ impl Patches for TriangleEvaluator {
     #[inline(always)]
     fn at<const ORDER: u32>(&mut self, channel: TriangleChannel<'_>, u: f32, v: f32) -> Place {
         self.at::<ORDER>(channel, u, v)
+    }
+    #[inline(always)]
+    fn at_once<const ORDER: u32>(_: TriangleChannel<'_>, _: Local) -> Option<Jet> {
+        None
     }
     #[inline(always)]
     fn rows<const ORDER: u32, S>(

@@ -6,6 +6,7 @@
 //! corner's limit; pieces are `f32`, relative to a point of their own, so that derivatives of small faces far from the origin lose
 //! nothing.
 
+mod once;
 mod ring;
 mod row;
 mod spline;
@@ -16,6 +17,7 @@ use super::linear;
 use super::net::{Net, fill_phantoms, gather_net, put_corner, refine_node, turn};
 use super::point::{D4, P4, Point};
 use super::window::Around;
+pub(crate) use once::at_once;
 use ring::Ring;
 use row::Column;
 pub(crate) use row::Row;
@@ -168,7 +170,11 @@ impl Sheet {
     /// The patch of a cell: bit 0 is set for the right column, bit 1 for the upper row.
     fn patch(&self, cell: u8) -> Patch {
         let (row, col) = (usize::from(cell >> 1), usize::from(cell & 1));
-        Patch::new(self.origin, |r, c| self.points[row + r][col + c])
+        let line = |r: usize| {
+            let p = &self.points[row + r];
+            [p[col], p[col + 1], p[col + 2], p[col + 3]]
+        };
+        Patch::new(self.origin, &[line(0), line(1), line(2), line(3)])
     }
 }
 
@@ -278,14 +284,16 @@ impl QuadEvaluator {
             parts.prepare(channel, q, regular);
             return;
         }
-        let net = if channel.linear {
+        let mut net = if channel.linear {
             linear::net(channel, q)
         } else {
             gather_net(t, channel.points, q)
         };
         let origin = net[1][1];
-        let patch = Patch::new(origin, |r, c| net[r][c] - origin);
-        self.patches.push(patch);
+        for p in net.iter_mut().flatten() {
+            *p = *p - origin;
+        }
+        self.patches.push(Patch::new(origin, &net));
     }
 
     /// The patch at (`u`, `v`) of an irregular quad; `None` where it is an irregular corner.

@@ -128,8 +128,7 @@ impl Ring {
     pub(super) fn limit(&self) -> D4 {
         match self.fan {
             Some(fan) if fan.rule == FanRule::Smooth => {
-                let n = f64::from(fan.faces);
-                (self.v.times(n) + self.edges.times(4.0) + self.faces).times(1.0 / (n + 5.0))
+                smooth_limit(f64::from(fan.faces), self.v, self.edges, self.faces)
             }
             Some(fan) if fan.rule == FanRule::Crease => {
                 self.v + (self.edges - self.v).times(1.0 / 3.0)
@@ -159,11 +158,7 @@ impl Ring {
             }
             FanRule::Smooth => {
                 let n = f64::from(self.fan.map_or(4, |f| f.faces));
-                let faces = ((self.v + self.faces) + (self.edges + self.edges)) * 0.25;
-                let next = (self.v.times(n - 2.0) + (self.edges + faces)).times(1.0 / n);
-                self.edges = ((self.v + self.edges) + (faces + faces)) * 0.25;
-                self.faces = faces;
-                next
+                next_vertex(n, self.v, &mut self.edges, &mut self.faces)
             }
         }
     }
@@ -175,16 +170,7 @@ impl Ring {
         let s = &mut self.spokes[..];
         let n = s.len();
         if self.closed {
-            let first = s[0];
-            for k in (0..n).step_by(2) {
-                let after = if k + 2 < n { s[k + 2] } else { first };
-                s[k + 1] = face_point(v, s[k], s[k + 1], after);
-            }
-            let mut before = s[n - 1];
-            for k in (0..n).step_by(2) {
-                s[k] = edge_point(v, s[k], before, s[k + 1]);
-                before = s[k + 1];
-            }
+            step_closed(v, s);
         } else {
             for k in (0..n - 1).step_by(2) {
                 s[k + 1] = face_point(v, s[k], s[k + 1], s[k + 2]);
@@ -246,6 +232,39 @@ impl Ring {
             let sum = sum.times(scales[k]).0;
             [sum[0], sum[1], sum[2]]
         })
+    }
+}
+
+/// Where a smooth vertex of `n` faces ends up; `edges` and `faces` are the means of its edge and face neighbours.
+#[inline(always)]
+pub(super) fn smooth_limit(n: f64, v: D4, edges: D4, faces: D4) -> D4 {
+    (v.times(n) + edges.times(4.0) + faces).times(1.0 / (n + 5.0))
+}
+
+/// What a smooth vertex of `n` faces becomes in one step; advances the means.
+#[inline(always)]
+pub(super) fn next_vertex(n: f64, v: D4, edges: &mut D4, faces: &mut D4) -> D4 {
+    let next_faces = ((v + *faces) + (*edges + *edges)) * 0.25;
+    let next = (v.times(n - 2.0) + (*edges + next_faces)).times(1.0 / n);
+    *edges = ((v + *edges) + (next_faces + next_faces)) * 0.25;
+    *faces = next_faces;
+    next
+}
+
+/// One step of the closed ring e, f, e, f, … around `v`.
+#[inline(always)]
+pub(super) fn step_closed(v: D4, s: &mut [D4]) {
+    let (n, Some(&first)) = (s.len(), s.first()) else {
+        return;
+    };
+    for k in (0..n).step_by(2) {
+        let after = if k + 2 < n { s[k + 2] } else { first };
+        s[k + 1] = face_point(v, s[k], s[k + 1], after);
+    }
+    let mut before = s[n - 1];
+    for k in (0..n).step_by(2) {
+        s[k] = edge_point(v, s[k], before, s[k + 1]);
+        before = s[k + 1];
     }
 }
 
