@@ -200,11 +200,12 @@ impl Patches for QuadEvaluator {
         out: &mut [S],
         convert: impl Fn(&Row, &mut [S]),
     ) {
-        let mut row = Row::new(n);
-        for (j, out) in (0..=n).zip(out.chunks_exact_mut(n as usize + 1)) {
-            self.grid_row::<ORDER>(channel, j as f32 / n as f32, &mut row);
-            convert(&row, out);
-        }
+        let mut rows = out.chunks_exact_mut(n as usize + 1);
+        self.grid::<ORDER>(channel, n, |row| {
+            if let Some(out) = rows.next() {
+                convert(row, out);
+            }
+        });
     }
 
     fn with_own<R>(then: impl FnOnce(&mut Self) -> R) -> R {

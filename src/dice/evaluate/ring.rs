@@ -9,7 +9,9 @@ use crate::dice::face::Channel;
 use crate::dice::fan_points::{RING_FACES, TangentMask, V3};
 use crate::dice::point::{D4, Point};
 use crate::dice::window::{Around, edge_point, face_point};
+use crate::scheme::by_valence::ByValence;
 use crate::topology::{Fan, FanRule, NONE};
+use std::sync::LazyLock;
 
 /// A vertex with its ring. Sector 0 belongs to the quad that asked.
 #[derive(Clone, Debug, Default)]
@@ -222,15 +224,20 @@ impl Ring {
     }
 
     fn star(&self, fan: Fan) -> [V3; 2] {
-        let mask = TangentMask::of(fan.closed, fan.faces);
-        let scales = mask.scales(fan.closed);
-        [0, 1].map(|k| {
-            let mut sum = D4::ZERO;
-            for (p, w) in self.spokes.iter().zip(&mask.weights) {
-                sum = sum + (*p - self.v).times(w[k]);
-            }
-            let sum = sum.times(scales[k]).0;
-            [sum[0], sum[1], sum[2]]
+        static MASKS: [LazyLock<ByValence<TangentMask>>; 2] = [
+            LazyLock::new(|| ByValence::new(|n| TangentMask::of(false, n))),
+            LazyLock::new(|| ByValence::new(|n| TangentMask::of(true, n))),
+        ];
+        MASKS[usize::from(fan.closed)].with(fan.faces, |mask| {
+            let scales = mask.scales(fan.closed);
+            [0, 1].map(|k| {
+                let mut sum = D4::ZERO;
+                for (p, w) in self.spokes.iter().zip(&mask.weights) {
+                    sum = sum + (*p - self.v).times(w[k]);
+                }
+                let sum = sum.times(scales[k]).0;
+                [sum[0], sum[1], sum[2]]
+            })
         })
     }
 }
