@@ -277,7 +277,14 @@ impl Surface {
         }
     }
 
-    /// The same within a budget.
+    /// Makes the control levels that evaluation has for all faces at once, in about so many bytes.
+    pub(crate) fn ensure_evaluation(&self, bytes: u128) {
+        if let Some(control) = &self.control {
+            control.ensure_evaluation(bytes);
+        }
+    }
+
+    /// As [`Surface::ensure`], within a budget.
     ///
     /// # Errors
     /// What is to be made would not fit; nothing is allocated for it then.

@@ -76,7 +76,12 @@ pub trait Patches: Clone + std::fmt::Debug + Default {
     fn root<'a>(below: &'a TreeChannel<'_>) -> Option<Self::Channel<'a>>;
     /// Whether a face has deeper control levels.
     fn is_refined(below: &TreeChannel<'_>, face: u32) -> bool;
-    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local) -> Option<Leaf<Self::Channel<'a>>>;
+    /// The patch at a place. `whole` where the face is one of the surface, and not a part of one that a tree begins with.
+    fn leaf<'a>(
+        below: &'a TreeChannel<'_>,
+        at: Local,
+        whole: bool,
+    ) -> Option<Leaf<Self::Channel<'a>>>;
 
     /// Whether a parameter is on a face that is prepared.
     fn holds(u: f32, v: f32) -> bool;
@@ -147,8 +152,8 @@ impl Patches for QuadEvaluator {
         Descend::at(below, 0).is_some_and(|root| root.first_child(face).is_some())
     }
     #[inline(always)]
-    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local) -> Option<Leaf<Channel<'a>>> {
-        evaluate::leaf(below as &dyn Descend, at.face, at.u, at.v)
+    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local, whole: bool) -> Option<Leaf<Channel<'a>>> {
+        evaluate::leaf(below as &dyn Descend, at.face, at.u, at.v, whole)
     }
 
     #[inline(always)]
@@ -246,8 +251,12 @@ impl Patches for TriangleEvaluator {
         DescendTriangles::at(below, 0).is_some_and(|root| root.first_child(face).is_some())
     }
     #[inline(always)]
-    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local) -> Option<Leaf<TriangleChannel<'a>>> {
-        leaf(below, at.face, at.u, at.v)
+    fn leaf<'a>(
+        below: &'a TreeChannel<'_>,
+        at: Local,
+        whole: bool,
+    ) -> Option<Leaf<TriangleChannel<'a>>> {
+        leaf(below, at.face, at.u, at.v, whole)
     }
 
     #[inline(always)]

@@ -55,13 +55,20 @@ pub(crate) struct Leaf<C> {
     pub(crate) open: bool,
 }
 
-/// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch.
-pub(crate) fn leaf(below: &dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<Channel<'_>>> {
+/// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch. `whole` where the quad
+/// is one of the surface; else it is a part of one, whose corners are places as any other.
+pub(crate) fn leaf(
+    below: &dyn Descend,
+    q: u32,
+    u: f32,
+    v: f32,
+    whole: bool,
+) -> Option<Leaf<Channel<'_>>> {
     let root = below.at(0)?;
     root.first_child(q)?;
     const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
-    let mut tip = corner([u, v]);
+    let mut tip = corner([u, v]).filter(|_| whole);
     if let Some(c) = tip {
         let h = 4 * q + c as u32;
         if !root.features[root.whole.vertex(h) as usize] {

@@ -28,6 +28,17 @@ pub(crate) fn at_once<const ORDER: u32>(
     u: f32,
     v: f32,
 ) -> Option<Jet> {
+    at_level::<ORDER>(Level::detect(), channel, q, u, v)
+}
+
+#[inline(always)]
+fn at_level<const ORDER: u32>(
+    level: Level,
+    channel: Channel<'_>,
+    q: u32,
+    u: f32,
+    v: f32,
+) -> Option<Jet> {
     if channel.linear {
         return None;
     }
@@ -48,7 +59,6 @@ pub(crate) fn at_once<const ORDER: u32>(
         }
         faces[c] = fan.faces as usize;
     }
-    let level = Level::detect();
     // Number by number: as an array they would be compared in memory, before they have got there.
     if (faces[0] ^ 4) | (faces[1] ^ 4) | (faces[2] ^ 4) | (faces[3] ^ 4) == 0 {
         return dispatch!(level, whole::<ORDER>(channel, q, u, v));
@@ -393,4 +403,94 @@ fn cell(origin: P4, sheet: &[P4; 32], corner: usize, spot: &Spot) -> Patch {
         line += down;
     }
     Patch::new(origin, &points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Place, QuadEvaluator};
+    use super::*;
+    use crate::dice::fan_points::{FanPoints, TangentMasks};
+    use crate::topology::{ConnectOptions, Topology, connect};
+
+    fn jets(channel: Channel<'_>, quads: u32) -> usize {
+        let (mut once, mut state) = (0, 1_u64);
+        let mut unit = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1_u32 << 24) as f32
+        };
+        for q in 0..quads {
+            let mut kept = QuadEvaluator::default();
+            kept.prepare(channel, q);
+            for k in 0..200 {
+                // Close to corners, too.
+                let shrink = [1.0, 0.1, 1e-3, 1e-7][k % 4];
+                let near = |x: f32| if k % 8 < 4 { x } else { 1.0 - x };
+                let (u, v) = (near(unit() * shrink), near(unit() * shrink));
+                let Place::Smooth(want) = kept.at::<2>(channel, u, v) else {
+                    continue;
+                };
+                for level in Level::available() {
+                    if let Some(got) = at_level::<2>(level, channel, q, u, v) {
+                        assert_eq!(format!("{got:?}"), format!("{want:?}"), "{q} {u} {v}");
+                        once += 1;
+                    }
+                }
+            }
+        }
+        once / Level::available().len()
+    }
+
+    /// Quads around two vertices of valences `n` and 4, closed by hand: a prism of `n` sides, every side split in two, with lids of `n` quads.
+    fn prism(n: u32) -> (Topology, Vec<[f32; 3]>) {
+        let m = 2 * n;
+        let ring = |level: u32, i: u32| level * m + i % m;
+        let (mut points, mut corners) = (Vec::new(), Vec::new());
+        for level in 0..4 {
+            for i in 0..m {
+                let angle = f64::from(i) * std::f64::consts::TAU / f64::from(m);
+                let wide = 1.0 + 0.2 * f64::from(level);
+                let height = f64::from(level) + 0.1 * f64::from(i * i % 7);
+                points.push([libm::cos(angle) * wide, libm::sin(angle) * wide, height]);
+            }
+        }
+        points.push([0.1, 0.0, -0.7]);
+        points.push([0.0, 0.2, 3.9]);
+        for level in 0..3 {
+            for i in 0..m {
+                corners.extend([ring(level, i), ring(level, i + 1)]);
+                corners.extend([ring(level + 1, i + 1), ring(level + 1, i)]);
+            }
+        }
+        for i in (0..m).step_by(2) {
+            corners.extend([4 * m, ring(0, i + 2), ring(0, i + 1), ring(0, i)]);
+            corners.extend([4 * m + 1, ring(3, i), ring(3, i + 1), ring(3, i + 2)]);
+        }
+        let points: Vec<[f32; 3]> = points.iter().map(|p| p.map(|c| c as f32)).collect();
+        let offsets: Vec<u32> = (0..=corners.len() as u32 / 4).map(|f| 4 * f).collect();
+        let (t, _) = connect(points.len(), &offsets, corners, &ConnectOptions::default());
+        (t, points)
+    }
+
+    #[test]
+    fn one_place_has_the_bits_of_a_kept_face_at_every_level_of_instructions() {
+        for n in [3, 4, 5, 8, 9] {
+            let (topology, points) = prism(n);
+            let masks = TangentMasks::new(&topology);
+            let fans = FanPoints::new(&topology, &masks, &points, None, true);
+            let channel = Channel {
+                topology: &topology,
+                points: &points,
+                fans: &fans,
+                below: None,
+                linear: false,
+            };
+            let quads = topology.face_count() as u32;
+            let once = jets(channel, quads);
+            // The lids' middles of more than 8 faces go the long way.
+            let lids = if n > MOST as u32 { 2 * n } else { 0 };
+            assert!(once as u32 > 150 * (quads - lids), "{once} of {quads}");
+        }
+    }
 }
