@@ -9,6 +9,7 @@ use crate::mesh::{Cage, Material, NONE};
 use crate::shade::SurfaceMaterial;
 use crate::surface::{Surface, SurfaceOptions};
 use crate::texture::{Meaning, Texture};
+use crate::topology::TopologyWarning;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -117,7 +118,8 @@ impl Loader {
         resolver: &mut dyn Resolver,
     ) -> Result<(), LoadError> {
         let read = self.read(bytes, name, resolver)?;
-        self.add_cage(read.cage, name, resolver)
+        let line = |face| obj::line_of_face(bytes, &read.report, face);
+        self.add_cage_of_lines(read.cage, name, resolver, &line)
     }
 
     /// The first half of [`Loader::add_bytes`], for who times it: text to cage. Warnings are kept.
@@ -142,9 +144,24 @@ impl Loader {
     /// [`LoadError::Limit`] when the surface would take more than [`LoadOptions::max_surface`].
     pub fn add_cage(
         &mut self,
+        cage: Cage,
+        name: &str,
+        resolver: &mut dyn Resolver,
+    ) -> Result<(), LoadError> {
+        self.add_cage_of_lines(cage, name, resolver, &|_| None)
+    }
+
+    /// The same where the lines of faces can be told: warnings name them. `line_of_face` is asked once or twice, if at all, and may take as
+    /// long as reading the text once more ([`obj::line_of_face`]).
+    ///
+    /// # Errors
+    /// [`LoadError::Limit`] when the surface would take more than [`LoadOptions::max_surface`].
+    pub fn add_cage_of_lines(
+        &mut self,
         mut cage: Cage,
         name: &str,
         resolver: &mut dyn Resolver,
+        line_of_face: &dyn Fn(u32) -> Option<usize>,
     ) -> Result<(), LoadError> {
         if let Some(first) = self.scene.objects.first() {
             cage.move_origin(first.surface.cage().origin());
@@ -158,8 +175,12 @@ impl Loader {
             }));
         }
         let surface = Surface::new(cage, &self.options.surface);
-        self.warnings
-            .extend(surface.warnings().iter().map(|w| format!("{name}: {w}")));
+        let place = |w: &TopologyWarning| w.face(surface.topology()).and_then(line_of_face);
+        let said = |w: &TopologyWarning| match place(w) {
+            Some(line) => format!("{name}:{line}: {w}"),
+            None => format!("{name}: {w}"),
+        };
+        self.warnings.extend(surface.warnings().iter().map(said));
         self.add_surface(surface, name, resolver);
         Ok(())
     }

@@ -389,6 +389,49 @@ fn what_looks_like_a_mistake_is_warned_of() {
 }
 
 #[test]
+fn odd_edges_are_warned_of_with_their_lines() {
+    let folder = Folder::new("odd-edges");
+    let (model, out) = (folder.path("odd.obj"), folder.path("out.png"));
+    // A third quad at the edge 1-2, and one wound the other way at 3-4; before them a face that is left out.
+    let text = "\u{feff}v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 -1 0\nv 0 -1 0\nv 1 0 1\nv 0 0 1\nv 1 2 0\nv 0 2 0\n\
+        f 1 1 2\nf 1 2 3 4\nf 2 1 6 5\n# a comment\n\nf 1 2 7 8\nf 3 4 10 9\n";
+    fs::write(&model, text).unwrap();
+    let refined = folder.path("fine.obj");
+    let verbs: [&[&str]; 3] = [
+        &["render", "-s", "32x32", "-o"],
+        &["refine", "-l", "1", "-o"],
+        &["info"],
+    ];
+    for verb in verbs {
+        let mut command = earmark();
+        command.args(verb);
+        if verb.len() > 1 {
+            command.arg(if verb[0] == "render" { &out } else { &refined });
+        }
+        let result = command.arg(&model).output().unwrap();
+        assert_eq!(code(&result), 0, "{}", stderr(&result));
+        let message = stderr(&result);
+        for wanted in [
+            "odd.obj:16: 1 edges with three",
+            "odd.obj:17: 1 edges between",
+        ] {
+            assert!(message.contains(wanted), "{message}");
+        }
+    }
+    // From standard input there is nothing to be read again.
+    fs::write(
+        &model,
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 2 3 4 1\n",
+    )
+    .unwrap();
+    let result = earmark()
+        .args(["info", "--triangulate", "--scheme", "loop"])
+        .arg(&model)
+        .output();
+    assert_eq!(code(&result.unwrap()), 0);
+}
+
+#[test]
 fn messages_stay_below_64_kilobytes() {
     let folder = Folder::new("flood");
     let mut command = earmark();

@@ -93,7 +93,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "load",
         &[
-            "files", "frame", "mesh", "shade", "surface", "texture", "limits", "scheme",
+            "files", "frame", "mesh", "shade", "surface", "texture", "topology", "limits", "scheme",
         ],
     ),
 ];

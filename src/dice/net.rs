@@ -46,6 +46,7 @@ pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
 }
 
 /// Fills the rows and columns beyond the sides that are open; columns first, so that at a corner of two open sides both agree.
+#[inline(always)]
 pub(super) fn fill_phantoms<const N: usize, P: Point>(net: &mut Net<N, P>, open: [bool; 4]) {
     let last = N - 1;
     for row in net.iter_mut() {
@@ -168,18 +169,12 @@ pub(super) fn put_corner<P: Point>(
 }
 
 /// One step of the net around an irregular corner at `node[1][1]`; `w` is the corner's window after the step.
+///
+/// Inlined with all of its parts, so that it is compiled with the vector instructions of whoever calls it.
+#[inline(always)]
 pub(super) fn refine_node<P: Point>(node: &Net<4, P>, w: &impl Around<P>) -> Net<5, P> {
     let n = node;
     let mut out = [[P::ZERO; 5]; 5];
-    let face = |r: usize, c: usize| face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c]);
-    let vertex = |r: usize, c: usize| {
-        vertex_point(std::array::from_fn(|i| {
-            std::array::from_fn(|k| n[r + i - 1][c + k - 1])
-        }))
-    };
-    // Edge points: along a row between columns c and c + 1, along a column between rows r and r + 1.
-    let across = |r: usize, c: usize| edge_point(n[r][c], n[r][c + 1], face(r - 1, c), face(r, c));
-    let along = |r: usize, c: usize| edge_point(n[r][c], n[r + 1][c], face(r, c - 1), face(r, c));
     out[1][1] = w.v();
     out[1][2] = w.e(0);
     out[2][2] = w.f(0);
@@ -193,22 +188,50 @@ pub(super) fn refine_node<P: Point>(node: &Net<4, P>, w: &impl Around<P>) -> Net
         out[0][1] = w.e(-1);
         out[0][2] = w.f(-1);
     }
-    out[1][3] = vertex(1, 2);
-    out[3][3] = vertex(2, 2);
-    out[3][1] = vertex(2, 1);
-    out[2][3] = along(1, 2);
-    out[3][2] = across(2, 1);
-    out[1][4] = across(1, 2);
-    out[3][4] = across(2, 2);
-    out[4][1] = along(2, 1);
-    out[4][3] = along(2, 2);
-    out[2][4] = face(1, 2);
-    out[4][2] = face(2, 1);
-    out[4][4] = face(2, 2);
-    out[0][3] = along(0, 2);
-    out[0][4] = face(0, 2);
-    out[3][0] = across(2, 0);
-    out[4][0] = face(2, 0);
+    out[1][3] = vertex_at(n, 1, 2);
+    out[3][3] = vertex_at(n, 2, 2);
+    out[3][1] = vertex_at(n, 2, 1);
+    out[2][3] = along(n, 1, 2);
+    out[3][2] = across(n, 2, 1);
+    out[1][4] = across(n, 1, 2);
+    out[3][4] = across(n, 2, 2);
+    out[4][1] = along(n, 2, 1);
+    out[4][3] = along(n, 2, 2);
+    out[2][4] = face_at(n, 1, 2);
+    out[4][2] = face_at(n, 2, 1);
+    out[4][4] = face_at(n, 2, 2);
+    out[0][3] = along(n, 0, 2);
+    out[0][4] = face_at(n, 0, 2);
+    out[3][0] = across(n, 2, 0);
+    out[4][0] = face_at(n, 2, 0);
     fill_phantoms(&mut out, [!below, false, false, !left]);
     out
+}
+
+/// The face point between rows `r` and `r + 1` and columns `c` and `c + 1`.
+#[inline(always)]
+pub(super) fn face_at<P: Point>(n: &Net<4, P>, r: usize, c: usize) -> P {
+    face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c])
+}
+
+/// The edge point along row `r` between columns `c` and `c + 1`.
+#[inline(always)]
+fn across<P: Point>(n: &Net<4, P>, r: usize, c: usize) -> P {
+    edge_point(n[r][c], n[r][c + 1], face_at(n, r - 1, c), face_at(n, r, c))
+}
+
+/// The edge point along column `c` between rows `r` and `r + 1`.
+#[inline(always)]
+fn along<P: Point>(n: &Net<4, P>, r: usize, c: usize) -> P {
+    edge_point(n[r][c], n[r + 1][c], face_at(n, r, c - 1), face_at(n, r, c))
+}
+
+#[inline(always)]
+fn vertex_at<P: Point>(n: &Net<4, P>, r: usize, c: usize) -> P {
+    let (low, middle, high) = (&n[r - 1], &n[r], &n[r + 1]);
+    vertex_point([
+        [low[c - 1], low[c], low[c + 1]],
+        [middle[c - 1], middle[c], middle[c + 1]],
+        [high[c - 1], high[c], high[c + 1]],
+    ])
 }
