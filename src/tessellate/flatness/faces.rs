@@ -224,7 +224,8 @@ impl<'a> Worker<'a> {
             self.tree.set_need(node, own + (need - depth));
             return;
         }
-        if depth >= RESAMPLED {
+        // The smallest squares are sampled as deep as can be.
+        if depth >= RESAMPLED || (smallest && depth > 0) {
             return self.grow(q, node, MAX_LOG);
         }
         let first = self.tree.split(node);
