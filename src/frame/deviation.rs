@@ -165,6 +165,10 @@ impl Worker {
                 let [u, v] = cage_place(surface, quad, [u, v]);
                 evaluator.at_as::<Sample>(u, v)
             };
+            if source.list(local).is_some() {
+                // Lists are not measured.
+                continue;
+            }
             for j in 0..size.rows - 1 {
                 for i in 0..size.cols - 1 {
                     for half in [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]] {

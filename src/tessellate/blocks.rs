@@ -2,7 +2,7 @@
 
 use super::quadtree::{Node, Quadtree, Shape, Side};
 use super::tree::Forest;
-use super::{CHUNK, Leaf, Move, Reach, Tessellation};
+use super::{CHUNK, Leaf, Move, NO_LIST, Reach, Tessellation};
 use crate::limits::{LimitError, Limits};
 use crate::surface::Surface;
 use crate::topology::Topology;
@@ -115,6 +115,7 @@ fn face_blocks(
             log: log as u8,
             start: node.place().map(|k| (k << log) as u16),
             moves_end: moves.len() as u32,
+            list: NO_LIST,
         });
     }
 }

@@ -80,7 +80,7 @@ impl Face<'_> {
                     continue;
                 }
                 if open[c] {
-                    patch.side(c, &mut lines.points, &mut lines.normals);
+                    patch.side(self.surface, c, &mut lines.points, &mut lines.normals);
                     open[c] = lines.split(metric, surplus, level, &mut out[at].1);
                 }
                 at += 1;

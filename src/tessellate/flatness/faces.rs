@@ -207,8 +207,12 @@ impl<'a> Worker<'a> {
             start: place.map(|k| k << log),
             segments: 1 << log,
         };
-        self.patch
-            .dice_part(part, &mut self.points, Some(&mut self.normals));
+        self.patch.dice_part(
+            self.surface,
+            part,
+            &mut self.points,
+            Some(&mut self.normals),
+        );
         self.surplus
             .grid(self.metric, log, &mut self.points, &self.normals);
         let last = (1 << depth) - 1;
