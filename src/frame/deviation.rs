@@ -1,11 +1,13 @@
-//! How far what is drawn is from the limit surface on the screen: the drawn triangles against the surface at the same parameters. Tests and
+//! How far what is drawn is from the limit surface, or from its patches, on the screen: the drawn triangles against the surface at the same parameters. Tests and
 //! benchmarks hold adaptive tessellation against this, on the very blocks that pictures are made of.
 
 use super::source::{Attributes, Source, SourceScratch};
 use super::{Frame, RenderError, Renderer, Scene};
 use crate::camera::View;
 use crate::math;
+use crate::patch::PatchKind;
 use crate::records::Grid3;
+use crate::surface::QuadPatch;
 use rayon::prelude::*;
 
 /// Largest distances of one view.
@@ -108,7 +110,7 @@ impl Worker {
                             points: at.map(|(i, j)| self.points.get(i, j)),
                             normals: at.map(|(i, j)| self.attributes.normals.get(i, j)),
                         };
-                        triangle.measure(frame, source, quad, steps, &mut out);
+                        triangle.measure(frame, source, quad, steps, &self.scratch.patch, &mut out);
                     }
                 }
             }
@@ -139,10 +141,17 @@ impl Triangle {
         source: &Source<'_>,
         quad: u32,
         steps: u32,
+        patch: &QuadPatch,
         out: &mut Deviation,
     ) {
         out.triangles += 1;
-        let view = &frame.view;
+        let (view, surface) = (&frame.view, &source.object.surface);
+        let sample = |u: f32, v: f32| match surface.patch_kind() {
+            PatchKind::None => surface
+                .evaluate_quad(quad, u, v)
+                .map(|s| (s.position, s.normal)),
+            _ => Some(patch.patch_at(u, v)),
+        };
         let screen = |p: [f32; 3]| {
             let e = math::sub(p, view.eye);
             let z = view.distance(p);
@@ -176,18 +185,18 @@ impl Triangle {
                     sum.clamp(0.0, 1.0)
                 });
                 let (p, n) = (mix(self.points), mix(self.normals));
-                let Some(sample) = source.object.surface.evaluate_quad(quad, u, v) else {
+                let Some((point, normal)) = sample(u, v) else {
                     continue;
                 };
-                if let (Some(p), Some(q)) = (screen(p), screen(sample.position)) {
+                if let (Some(p), Some(q)) = (screen(p), screen(point)) {
                     let square = (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
                     out.pixels = out.pixels.max(square.sqrt());
                     out.squares.0 += f64::from(square);
                     out.squares.1 += 1;
                 }
                 if let (false, Some(n)) = (is_dot, math::normalize(n)) {
-                    let cross = math::length(math::cross(n, sample.normal));
-                    let angle = libm::atan2f(cross, math::dot(n, sample.normal));
+                    let cross = math::length(math::cross(n, normal));
+                    let angle = libm::atan2f(cross, math::dot(n, normal));
                     out.degrees = out.degrees.max(angle.to_degrees());
                 }
             }

@@ -335,7 +335,7 @@ impl QuadPatch {
     }
 
     /// Point and unit normal at (`u`, `v`) of the patches that were prepared.
-    pub(super) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
+    pub(crate) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
         self.points.patches.at(u, v)
     }
 
