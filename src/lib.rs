@@ -44,6 +44,7 @@ pub mod camera;
 pub mod compare;
 pub(crate) mod control;
 pub mod dice;
+pub mod displace;
 pub mod distance;
 pub mod evaluate;
 pub mod files;

@@ -1,6 +1,8 @@
 //! The subdivision surface of a cage: topology once, points as often as they move.
 
 mod diced;
+mod displaced;
+mod jets;
 mod mesh;
 mod patch;
 
@@ -25,6 +27,7 @@ use crate::simd::Level;
 use crate::topology::channel::connect_channel;
 use crate::topology::ears::Ears;
 use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
+use displaced::Displaced;
 use mesh::QuadMesh;
 use std::sync::Arc;
 
@@ -110,6 +113,7 @@ pub struct Surface {
     linear_uv: bool,
     /// Whether faces are triangles, under Loop's scheme and Modified Butterfly.
     triangles: bool,
+    displaced: Option<Arc<Displaced>>,
     warnings: Vec<TopologyWarning>,
 }
 
@@ -168,6 +172,7 @@ impl Surface {
             linear,
             linear_uv: linear || rule == FaceVaryingRule::All,
             triangles,
+            displaced: None,
             warnings,
             cage,
         };
@@ -213,6 +218,13 @@ impl Surface {
             pn.set_tension(&self.mesh.base, &self.cage.points, tension);
         }
         Ok(())
+    }
+
+    /// Leaves PN triangles with the cage's own normals, which differ along creases alone: elsewhere nobody keeps sides together that move apart.
+    fn forget_given_normals(&mut self) {
+        if let Some(PatchCage::Pn(pn)) = &mut self.patches {
+            pn.move_points(&self.mesh.base, &self.cage.points);
+        }
     }
 
     /// The patches that are diced in place of the limit surface.
@@ -423,6 +435,17 @@ impl Surface {
         Some([corner(0), corner(1), corner(2), corner(3)])
     }
 
+    /// Topology of the texture coordinates of the quads, cut at seams.
+    fn uv_topology(&self) -> Option<&Topology> {
+        if let Some(tables) = &self.tables {
+            return tables.root(Kind::Uvs).map(|mesh| &mesh.topology);
+        }
+        if let Some(control) = &self.control {
+            return control.root(Kind::Uvs).map(|mesh| &mesh.topology);
+        }
+        self.uv.as_ref().map(QuadMesh::quads)
+    }
+
     /// A walk to single points of an interpolating surface, or to texture coordinates.
     pub(crate) fn walk(&self, kind: Kind) -> Option<Walk<'_>> {
         self.tables.as_ref()?.walk(kind)
@@ -535,6 +558,7 @@ impl Surface {
         if let Some(PatchCage::Pn(pn)) = &mut self.patches {
             pn.move_points(&self.mesh.base, &self.cage.points);
         }
+        self.update_displacement();
         Ok(())
     }
 
@@ -622,15 +646,23 @@ impl Surface {
     }
     /// [`Surface::quads`] as they hang together, infinite creases not cut open. Faces and half-edges have the same numbers.
     pub(crate) fn whole_quads(&self) -> &Topology {
+        if let Some(tables) = &self.tables {
+            return tables.whole();
+        }
         match &self.control {
             Some(control) => control.whole(),
             None => self.mesh.quads(),
         }
     }
 
-    /// Whether faces are quads with control points of their own, not triangles and not tables of an interpolating scheme.
-    pub(crate) fn has_quads(&self) -> bool {
-        !self.triangles && self.tables.is_none()
+    /// Whether faces are diced by tables, which are made for one level at a time.
+    pub(crate) fn has_tables(&self) -> bool {
+        self.tables.is_some()
+    }
+
+    /// By how many steps the whole mesh is refined before tables of `level` are applied, once those are made.
+    pub(crate) fn table_depth(&self, level: u32) -> Option<u32> {
+        Some(self.tables.as_ref()?.table_bytes(level)?.2)
     }
 
     /// The ears of the quads, in the layout of the published buffers.
@@ -713,7 +745,7 @@ impl Surface {
         for bv in 0..blocks {
             let first = if self.triangles { bv } else { 0 };
             for bu in first..blocks {
-                patch.dice(bu, bv, &mut points, Some(&mut normals));
+                patch.dice(self, bu, bv, &mut points, Some(&mut normals));
                 if let Some(uvs) = uvs.as_deref_mut() {
                     patch.dice_uvs(bu, bv, uvs);
                 }

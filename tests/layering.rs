@@ -73,6 +73,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "tessellate",
             "patch",
+            "evaluate",
             "math",
             "simd",
             "records",

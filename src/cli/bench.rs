@@ -94,6 +94,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     } else {
         job.load(&models, &a.model, &a.level)?
     };
+    job.read_depth_tags(&mut scene, &a.level)?;
     watch::phase(Phase::Measuring);
     let mut distances = Vec::new();
     let outcome = match a.suite {

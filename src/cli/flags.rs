@@ -8,10 +8,10 @@ use earmark::raster::MAX_SCREEN;
 use earmark::scheme;
 use earmark::shade::ShadeMode;
 use earmark::surface::SurfaceOptions;
-use earmark::tessellate::Flatness;
+use earmark::tessellate::{self, DepthTags, Flatness};
 use earmark::topology::{ConnectOptions, Topology, TopologyWarning, connect};
 use earmark::{Cage, Camera};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// `auto`, `always` or `never`.
@@ -226,6 +226,14 @@ pub(crate) enum SurfaceKind {
     Pn,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Pattern {
+    /// Uniform inside; triangles at deeper edges are split
+    Split,
+    /// Coarser and finer over a distance, triangles near to equilateral
+    Equilateral,
+}
+
 /// What of the surface is drawn, and how finely.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Model")]
@@ -243,6 +251,14 @@ pub(crate) struct LevelFlags {
     /// Largest distance of triangles from the limit surface on the screen, in pixels; edge by edge and block by block; on Catmull-Clark and bilinear surfaces
     #[arg(long, value_name = "PX", value_parser = parse_flatness, conflicts_with = "level")]
     pub(crate) adaptive: Option<f32>,
+    /// Depth of refinement at every vertex of the cage, 0 to 10, that of an edge being the mean of its two: `distance` (edges of 5 pixels),
+    /// `curvature` (normals turn by 4 degrees along an edge), `distance+curvature` (the lesser of the two), or a file of integers, one per
+    /// vertex in the model's order, with white space between them and comments from # on; --max-level does not matter
+    #[arg(long, value_name = "SOURCE", conflicts_with_all = ["level", "adaptive"])]
+    pub(crate) depth_tags: Option<PathBuf>,
+    /// With --depth-tags: how triangles join edges of unequal depths [default: grids whose points beside a coarser edge are moved to its own]
+    #[arg(long, value_enum, requires = "depth_tags")]
+    pub(crate) pattern: Option<Pattern>,
     /// Highest level that is chosen without --level, 0 to 10
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) max_level: u32,
@@ -266,6 +282,16 @@ impl LevelFlags {
     }
     pub(crate) fn refinement(&self) -> Refinement {
         let max_level = self.max_level;
+        if let Some(tags) = self.tag_source() {
+            let pattern = self.pattern.map(|p| match p {
+                Pattern::Split => tessellate::Pattern::Split,
+                Pattern::Equilateral => tessellate::Pattern::Equilateral,
+            });
+            return Refinement::DepthTags(DepthTags {
+                pattern,
+                ..tags.unwrap_or(DepthTags::GIVEN)
+            });
+        }
         match (self.level, self.adaptive) {
             (Some(level), _) => Refinement::Uniform(level),
             (None, Some(pixels)) => Refinement::Adaptive(Flatness {
@@ -274,6 +300,26 @@ impl LevelFlags {
                 ..Flatness::default()
             }),
             (None, None) => Refinement::ByEdgeLength { max_level },
+        }
+    }
+}
+
+impl LevelFlags {
+    /// What `--depth-tags` says: tags that are computed, or `None` for a file.
+    fn tag_source(&self) -> Option<Option<DepthTags>> {
+        let named = match self.depth_tags.as_ref()?.to_str() {
+            Some("distance") => Some(DepthTags::by_distance()),
+            Some("curvature") => Some(DepthTags::by_curvature()),
+            Some("distance+curvature") => Some(DepthTags::by_distance_and_curvature()),
+            _ => None,
+        };
+        Some(named)
+    }
+    /// The file of `--depth-tags`.
+    pub(crate) fn tag_file(&self) -> Option<&Path> {
+        match self.tag_source()? {
+            Some(_) => None,
+            None => self.depth_tags.as_deref(),
         }
     }
 }

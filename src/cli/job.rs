@@ -14,6 +14,7 @@ use earmark::mesh::resolver::{NoFiles, Resolver};
 use earmark::mesh::{Cage, obj};
 use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
+use earmark::tessellate::depth_tags;
 use earmark::{Scene, SurfaceOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -171,6 +172,34 @@ impl Job {
             ));
         }
         Ok(scene)
+    }
+
+    /// Reads the file of `--depth-tags`, if it is one, for the one model of a scene.
+    pub(crate) fn read_depth_tags(
+        &mut self,
+        scene: &mut Scene,
+        flags: &LevelFlags,
+    ) -> Result<(), Failure> {
+        /// Bytes of a tag with its line, and of what may stand between: more is no file of tags.
+        const PER_TAG: u64 = 64;
+        let Some(path) = flags.tag_file() else {
+            return Ok(());
+        };
+        let [object] = scene.objects.as_mut_slice() else {
+            return Err(Failure::usage(
+                "a file of --depth-tags belongs to one model; draw models one by one",
+            ));
+        };
+        let vertices = object.surface.cage().points().len();
+        self.time("read", |job| {
+            let most = (vertices as u64 * PER_TAG).max(1 << 16);
+            let most = most.min(job.memory_left().unwrap_or(u64::MAX));
+            let text = files::read_model(path, most)?;
+            let name = obj::escape(path.as_os_str().as_encoded_bytes(), 1024);
+            object.depth_tags = depth_tags::parse(&text, &name, vertices)
+                .map_err(|e| Failure::new(Code::Data, e.to_string()))?;
+            Ok(())
+        })
     }
 
     /// Reads one model as it stands, with all that the reader has to say. A scheme of the flags that takes triangles only wants to find

@@ -4,10 +4,11 @@
 use super::source::{Attributes, Source, SourceScratch};
 use super::{Frame, RenderError, Renderer, Scene};
 use crate::camera::View;
+use crate::evaluate::Sample;
 use crate::math;
 use crate::patch::PatchKind;
 use crate::records::Grid3;
-use crate::surface::QuadPatch;
+use crate::surface::Surface;
 use rayon::prelude::*;
 
 /// Largest distances of one view.
@@ -43,7 +44,8 @@ impl Deviation {
 }
 
 impl Renderer {
-    /// Measures the drawn triangles of all surfaces of quads, at `steps` places along their sides and those between.
+    /// Measures the drawn triangles, at `steps` places along their sides and those between. Interpolating surfaces are known at dyadic
+    /// places alone: `steps` should be a power of two.
     ///
     /// # Errors
     /// As [`Renderer::render_view`].
@@ -86,7 +88,7 @@ impl Worker {
         let mut out = Deviation::default();
         let source = frame.source_of(item);
         let local = item - source.first_item;
-        if !source.is_drawn(local) || !source.object.surface.has_quads() {
+        if !source.is_drawn(local) {
             return out;
         }
         let capped = source.level(local) >= cap;
@@ -97,6 +99,27 @@ impl Worker {
             let size = source.block_size(local);
             let (quad, places) = source.places(local, block);
             let place = |i: usize, j: usize| places[j * size.cols + i];
+            let surface = &source.object.surface;
+            let Some(mut evaluator) = surface.face_evaluator(surface.cage_face(quad)) else {
+                continue;
+            };
+            let patch = &self.scratch.patch;
+            let mut limit = |u: f32, v: f32| {
+                if surface.patch_kind() != PatchKind::None {
+                    let (position, normal) = patch.patch_at(u, v);
+                    return Some(Sample {
+                        position,
+                        normal,
+                        ..Sample::default()
+                    });
+                }
+                let [u, v] = cage_place(surface, quad, [u, v]);
+                evaluator.at_as::<Sample>(u, v)
+            };
+            if source.list(local).is_some() {
+                // Lists are not measured.
+                continue;
+            }
             for j in 0..size.rows - 1 {
                 for i in 0..size.cols - 1 {
                     for half in [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]] {
@@ -110,7 +133,7 @@ impl Worker {
                             points: at.map(|(i, j)| self.points.get(i, j)),
                             normals: at.map(|(i, j)| self.attributes.normals.get(i, j)),
                         };
-                        triangle.measure(frame, source, quad, steps, &self.scratch.patch, &mut out);
+                        triangle.measure(&frame.view, &mut limit, steps, &mut out);
                     }
                 }
             }
@@ -120,6 +143,26 @@ impl Worker {
             out.pixels = 0.0;
         }
         out
+    }
+}
+
+/// The parameters by which [`Surface::evaluate`] knows a place on the grid of quad `quad`.
+fn cage_place(surface: &Surface, quad: u32, [u, v]: [f32; 2]) -> [f32; 2] {
+    if surface.is_triangular() {
+        return [(u - v).max(0.0), v];
+    }
+    if !surface.is_split() {
+        return [u, v];
+    }
+    let t = surface.topology();
+    let halves = t.face_halves(t.face_of(quad));
+    let corner = quad - halves.start;
+    match (halves.len(), corner) {
+        (4, 0) => [0.5 * u, 0.5 * v],
+        (4, 1) => [1.0 - 0.5 * v, 0.5 * u],
+        (4, 2) => [1.0 - 0.5 * u, 1.0 - 0.5 * v],
+        (4, _) => [0.5 * v, 1.0 - 0.5 * u],
+        _ => [corner as f32 + u, v],
     }
 }
 
@@ -137,21 +180,12 @@ struct Triangle {
 impl Triangle {
     fn measure(
         &self,
-        frame: &Frame<'_>,
-        source: &Source<'_>,
-        quad: u32,
+        view: &View,
+        limit: &mut impl FnMut(f32, f32) -> Option<Sample>,
         steps: u32,
-        patch: &QuadPatch,
         out: &mut Deviation,
     ) {
         out.triangles += 1;
-        let (view, surface) = (&frame.view, &source.object.surface);
-        let sample = |u: f32, v: f32| match surface.patch_kind() {
-            PatchKind::None => surface
-                .evaluate_quad(quad, u, v)
-                .map(|s| (s.position, s.normal)),
-            _ => Some(patch.patch_at(u, v)),
-        };
         let screen = |p: [f32; 3]| {
             let e = math::sub(p, view.eye);
             let z = view.distance(p);
@@ -185,18 +219,18 @@ impl Triangle {
                     sum.clamp(0.0, 1.0)
                 });
                 let (p, n) = (mix(self.points), mix(self.normals));
-                let Some((point, normal)) = sample(u, v) else {
+                let Some(sample) = limit(u, v) else {
                     continue;
                 };
-                if let (Some(p), Some(q)) = (screen(p), screen(point)) {
+                if let (Some(p), Some(q)) = (screen(p), screen(sample.position)) {
                     let square = (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
                     out.pixels = out.pixels.max(square.sqrt());
                     out.squares.0 += f64::from(square);
                     out.squares.1 += 1;
                 }
                 if let (false, Some(n)) = (is_dot, math::normalize(n)) {
-                    let cross = math::length(math::cross(n, normal));
-                    let angle = libm::atan2f(cross, math::dot(n, normal));
+                    let cross = math::length(math::cross(n, sample.normal));
+                    let angle = libm::atan2f(cross, math::dot(n, sample.normal));
                     out.degrees = out.degrees.max(angle.to_degrees());
                 }
             }

@@ -174,7 +174,10 @@ impl<'a> Source<'a> {
 
     /// Level 0 of a cage with n-gons: its polygons with limit points at the corners.
     fn is_polygonal(&self) -> bool {
-        self.tessellation.is_none() && self.level == 0 && self.object.surface.is_split()
+        self.tessellation.is_none()
+            && self.level == 0
+            && self.object.surface.is_split()
+            && self.object.surface.displacement().is_none()
     }
 
     /// Level of the quads.
@@ -228,9 +231,16 @@ impl<'a> Source<'a> {
         self.drawing == Drawing::Cage || !self.object.surface.is_triangular() || bv <= bu
     }
 
+    /// Triangles of an item that is drawn as a list of them and not as a grid, by the indices of their points.
+    pub(super) fn list(&self, item: u32) -> Option<&[[u16; 3]]> {
+        let t = self.tessellation.as_ref()?;
+        let list = t.list(&t.leaves[item as usize])?;
+        Some(&list.triangles)
+    }
+
     pub(super) fn block_size(&self, item: u32) -> BlockSize {
         if let Some(t) = &self.tessellation {
-            leaf::block_size(&t.leaves[item as usize])
+            leaf::block_size(t, item)
         } else if self.drawing == Drawing::Cage {
             PAIR
         } else {
@@ -355,12 +365,12 @@ impl<'a> Source<'a> {
         }
         let Some(a) = attributes else {
             self.prepare(scratch, item, Sides::Points);
-            scratch.patch.dice(bu, bv, points, None);
+            (scratch.patch).dice(&self.object.surface, bu, bv, points, None);
             return;
         };
         self.prepare(scratch, item, Sides::Normals);
         let (surface, patch) = (&self.object.surface, &mut scratch.patch);
-        patch.dice(bu, bv, points, Some(&mut a.normals));
+        patch.dice(surface, bu, bv, points, Some(&mut a.normals));
         if a.wants_uvs && !patch.has_uvs() {
             patch.prepare_uvs(surface, item);
         }

@@ -2,6 +2,7 @@
 
 use super::*;
 use earmark::camera::Camera;
+use earmark::displace::{Displacement, Function};
 use earmark::frame::coverage::{CoverageFault, SignedCoverage};
 use earmark::frame::{Refinement, Renderer};
 use earmark::simd::Level;
@@ -47,9 +48,6 @@ fn closed_models_have_as_many_fronts_as_backs_at_every_sample() {
 #[test]
 fn adaptive_pictures_have_no_cracks_and_keep_their_tolerance() {
     for (name, cage, scheme) in cages() {
-        if scheme == Scheme::Kobbelt {
-            continue;
-        }
         for kind in [PatchKind::Qas, PatchKind::Pn] {
             let scene = scene(&cage, scheme, kind);
             for pixels in [0.25, 2.0] {
@@ -70,6 +68,27 @@ fn adaptive_pictures_have_no_cracks_and_keep_their_tolerance() {
             }
         }
     }
+}
+
+#[test]
+fn displaced_patches_have_no_cracks() {
+    let mut covered = 0;
+    for (name, cage, scheme) in cages() {
+        for kind in [PatchKind::Qas, PatchKind::Pn] {
+            let mut scene = scene(&cage, scheme, kind);
+            let ripples: Function = "ripples".parse().unwrap();
+            let displacement = Displacement::function(ripples).scaled(0.02 * size(&cage));
+            scene.objects[0]
+                .surface
+                .set_displacement(Some(displacement));
+            for level in [2, 5] {
+                let c = coverage::count(&scene, 160, level, 3, CoverageFault::None);
+                assert_eq!(c.unequal, 0, "{name} {kind:?} at level {level}");
+                covered += c.covered;
+            }
+        }
+    }
+    assert!(covered > 100_000);
 }
 
 #[test]
