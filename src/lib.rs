@@ -46,6 +46,7 @@ pub mod compare;
 pub(crate) mod control;
 pub mod dice;
 pub mod displace;
+pub mod distance;
 pub mod evaluate;
 pub mod files;
 pub mod film;

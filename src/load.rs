@@ -6,6 +6,7 @@ use crate::limits::LimitError;
 use crate::mesh::obj::{self, ReadError, ReadOptions};
 use crate::mesh::resolver::Resolver;
 use crate::mesh::{Cage, Material, NONE};
+use crate::patch::PatchKind;
 use crate::shade::SurfaceMaterial;
 use crate::surface::{Surface, SurfaceOptions};
 use crate::texture::{Meaning, Texture};
@@ -62,14 +63,20 @@ pub enum LoadError {
 }
 
 /// About how many bytes a surface takes at its peak, while it is being connected: rounded up from measurements.
-fn surface_bytes(cage: &Cage) -> u128 {
+fn surface_bytes(cage: &Cage, patches: PatchKind) -> u128 {
     let corners = cage.corner_vertices.len() as u128;
     let values = (cage.points.len() + cage.uvs.len() + cage.colors.len()) as u128;
     let quads = cage.face_offsets.windows(2).all(|w| w[1] - w[0] == 4);
     let per_corner = if quads { PER_CORNER } else { PER_CORNER * 8 };
     let channels = 1 + u128::from(!cage.corner_uvs.is_empty());
-    corners * per_corner * channels + values * PER_VERTEX
+    let pn = u128::from(patches == PatchKind::Pn) * (corners * PN_CORNER + values * PN_VERTEX);
+    corners * per_corner * channels + values * PER_VERTEX + pn
 }
+
+/// What PN triangles keep, and pass through, per corner: two normals, two control points, a middle, a face's normal, a count.
+const PN_CORNER: u128 = 96;
+/// The same per vertex: a tension, two neighbours along creases.
+const PN_VERTEX: u128 = 16;
 
 /// Bytes per corner of a cage of quads. Others are split into four times as many, and are held beside.
 const PER_CORNER: u128 = 26;
@@ -166,7 +173,7 @@ impl Loader {
         if let Some(first) = self.scene.objects.first() {
             cage.move_origin(first.surface.cage().origin());
         }
-        let wanted = surface_bytes(&cage);
+        let wanted = surface_bytes(&cage, self.options.surface.patches);
         if wanted > u128::from(self.options.max_surface) {
             return Err(LoadError::Limit(LimitError::Memory {
                 what: "the surface",

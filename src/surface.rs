@@ -220,6 +220,13 @@ impl Surface {
         Ok(())
     }
 
+    /// Leaves PN triangles with the cage's own normals, which differ along creases alone: elsewhere nobody keeps sides together that move apart.
+    fn forget_given_normals(&mut self) {
+        if let Some(PatchCage::Pn(pn)) = &mut self.patches {
+            pn.move_points(&self.mesh.base, &self.cage.points);
+        }
+    }
+
     /// The patches that are diced in place of the limit surface.
     #[must_use]
     pub fn patch_kind(&self) -> PatchKind {

@@ -786,3 +786,55 @@ fn control_faces_beyond_the_memory_are_code_5() {
     let drawn = render("2G");
     assert_eq!(code(&drawn), 0, "{}", stderr(&drawn));
 }
+
+#[test]
+fn patches_are_drawn_and_tensions_read() {
+    let folder = Folder::new("patches");
+    let (out, tags) = (folder.path("out.png"), folder.path("tags.txt"));
+    let cube = asset("cube.obj");
+    let draw = |more: &[&str]| {
+        let mut arguments = vec![
+            "render",
+            cube.to_str().unwrap(),
+            "-o",
+            out.to_str().unwrap(),
+        ];
+        arguments.extend(["-s", "32x32", "-l", "3", "-q"]);
+        arguments.extend(more);
+        run(&arguments)
+    };
+    let tags_flag = ["--surface", "pn", "--pn-tags", tags.to_str().unwrap()];
+    let mut pictures = Vec::new();
+    let mut good = |more: &[&str]| {
+        let done = draw(more);
+        assert_eq!(code(&done), 0, "{}", stderr(&done));
+        pictures.push(fs::read(&out).unwrap());
+    };
+    good(&["--surface", "limit"]);
+    good(&["--surface", "qas"]);
+    good(&["--surface", "pn"]);
+    fs::write(&tags, "0 0 0 0\n0 0 0 0 # flat\n").unwrap();
+    good(&tags_flag);
+    fs::write(&tags, "1\n".repeat(8)).unwrap();
+    good(&tags_flag);
+    assert!(pictures[4] == pictures[2]);
+    assert!((0..4).all(|i| (0..i).all(|k| pictures[i] != pictures[k])));
+    for (text, line, part) in [
+        ("1\n1 2\n", 2, "\"2\""),
+        ("1\n1\n", 2, "2 numbers"),
+        ("1 1 1 1 1 1 1 1\n1", 2, "more numbers"),
+        ("1\nx\n", 2, "\"x\""),
+    ] {
+        fs::write(&tags, text).unwrap();
+        let failed = draw(&tags_flag);
+        let message = assert_clean(&failed);
+        assert_eq!(code(&failed), 3, "{message}");
+        assert!(
+            message.contains(&format!("tags.txt:{line}: ")) && message.contains(part),
+            "{message}"
+        );
+    }
+    fs::remove_file(&tags).unwrap();
+    assert_eq!(code(&draw(&tags_flag)), 4);
+    assert_eq!(code(&draw(&["--pn-tags", tags.to_str().unwrap()])), 2);
+}
