@@ -2,6 +2,7 @@
 
 mod bench;
 mod bench_evaluate;
+mod displace;
 mod exit;
 mod flags;
 mod info;

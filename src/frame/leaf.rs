@@ -168,12 +168,12 @@ pub(super) fn dice(
     item: u32,
     scratch: &mut SourceScratch,
     points: &mut Grid3,
-    attributes: Option<&mut Attributes>,
+    attributes: Option<(&mut Attributes, bool)>,
 ) {
     let leaf = &tessellation.leaves[item as usize];
     let moves = tessellation.moves(item as usize);
     let (part, reach) = (part(leaf), u32::from(leaf.reach));
-    let Some(a) = attributes else {
+    let Some((a, wants_tangents)) = attributes else {
         scratch.prepare(surface, leaf.quad, reach, Sides::Points);
         let SourceScratch { patch, spare, .. } = scratch;
         patch.dice_part(surface, part, points, None);
@@ -197,6 +197,16 @@ pub(super) fn dice(
         patch.dice_part_uvs(part, &mut a.uvs);
         apply(leaf, moves, &mut a.uvs, None, spare, |part, p, _| {
             patch.dice_part_uvs(part, p);
+        });
+    }
+    a.has_tangents = a.has_uvs && wants_tangents;
+    if a.has_tangents {
+        let [first, second] = &mut a.tangents;
+        patch.dice_tangents(surface, part, first, second);
+        apply(leaf, moves, first, Some(second), spare, |part, p, q| {
+            if let Some(q) = q {
+                patch.dice_tangents(surface, part, p, q);
+            }
         });
     }
     a.has_colors = patch.prepare_colors(surface, leaf.quad);

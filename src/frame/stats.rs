@@ -13,6 +13,8 @@ pub enum Stage {
     Bin,
     /// Points, normals and texture coordinates of blocks.
     Dice,
+    /// Displacement of points and their normals.
+    Displace,
     /// Projection, coverage and depth.
     Tile,
     /// Colours of samples.
@@ -23,11 +25,12 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the frame.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Flatness,
         Self::Setup,
         Self::Bin,
         Self::Dice,
+        Self::Displace,
         Self::Tile,
         Self::Shade,
         Self::Film,
@@ -41,6 +44,7 @@ impl Stage {
             Self::Setup => "setup",
             Self::Bin => "bin",
             Self::Dice => "dice",
+            Self::Displace => "displace",
             Self::Tile => "tile",
             Self::Shade => "shade",
             Self::Film => "film",
@@ -79,6 +83,13 @@ impl StageTimes {
         let now = Instant::now();
         self.total[stage as usize] += now - begin;
         Some(now)
+    }
+    /// Hands time that was counted with one stage to another.
+    #[inline]
+    pub(super) fn shift(&mut self, from: Stage, to: Stage, time: Duration) {
+        let time = time.min(self.total[from as usize]);
+        self.total[from as usize] -= time;
+        self.total[to as usize] += time;
     }
     pub(super) fn add(&mut self, other: &Self) {
         for (a, b) in self.total.iter_mut().zip(&other.total) {

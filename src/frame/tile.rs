@@ -5,6 +5,7 @@ use super::Frame;
 use super::cutout::{Layers, draw_cutout};
 use super::source::{Attributes, Source, SourceScratch};
 use super::stats::{Stage, StageTimes};
+use crate::displace::Displacement;
 use crate::film::PixelSum;
 use crate::raster::{
     Key, PixelBox, ProjectedBlock, Tile, barycentrics, bounds, draw_block, project,
@@ -117,6 +118,7 @@ pub(super) fn draw_tile(
         .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);
     scratch.drawn.clear();
     scratch.attributes.wants_uvs = frame.wants_uvs;
+    scratch.source.measure(scratch.times.on);
     for &item in items {
         draw_item(frame, item, rect, scratch);
     }
@@ -149,6 +151,7 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
             let attributes = cutout.map(|_| &mut s.attributes);
             source.dice(&mut s.source, local, [bu, bv], &mut s.points, attributes);
             let clock = s.times.lap(Stage::Dice, clock);
+            s.times.shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
             project(
                 frame.simd,
                 &s.points,
@@ -304,6 +307,7 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
             footprints(&s.projected, &s.attributes.uvs, size, &mut s.footprint);
         }
         let clock = s.times.lap(Stage::Dice, clock);
+        (s.times).shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
         let face = source.cage_face(local);
         let template = SurfacePoint {
             face: source.first_face + face,
@@ -317,7 +321,7 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
             let ([x, y, sample], id) = (v.place(), SampleId(v.id));
             let weights =
                 barycentrics(&s.projected, id, x0 + x, y0 + y, sample, frame.size.samples);
-            s.surface.push(surface_point(
+            let mut point = surface_point(
                 frame,
                 &s.points,
                 &s.attributes,
@@ -325,7 +329,11 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
                 id,
                 weights,
                 template,
-            ));
+            );
+            if s.attributes.has_tangents {
+                relief(source, &s.attributes, id, weights, &mut point);
+            }
+            s.surface.push(point);
         }
         s.shaded.clear();
         s.shaded.resize(s.surface.len(), [0.0; 4]);
@@ -399,6 +407,29 @@ fn surface_point(
         },
         depth01: frame.view.depth01(frame.view.distance(position)),
         ..template
+    }
+}
+
+/// What tilts the normal of a point: given to shading, or done at once where the displacement's map says it.
+fn relief(
+    source: &Source<'_>,
+    a: &Attributes,
+    id: SampleId,
+    w: [f32; 4],
+    point: &mut SurfacePoint,
+) {
+    let tangents = [0, 1].map(|k| {
+        let g = &a.tangents[k];
+        [&g.x, &g.y, &g.z].map(|c| interpolate(&c[..], id, w))
+    });
+    let map = (source.object.surface.displacement()).and_then(Displacement::pixel_map);
+    match (map, point.uv) {
+        (Some(map), Some([u, v])) => {
+            let [du, dv] = map.slope_over(u, v, point.uv_footprint);
+            let [first, second] = tangents;
+            point.normal = [0, 1, 2].map(|k| point.normal[k] - (first[k] * du + second[k] * dv));
+        }
+        _ => point.tangents = Some(tangents),
     }
 }
 
