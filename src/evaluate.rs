@@ -133,25 +133,6 @@ impl Surface {
         self.evaluate_as(face, u, v)
     }
 
-    /// The limit surface at a place of quad `quad` of [`Surface::quads`]; nothing on triangles and interpolating surfaces.
-    pub(crate) fn evaluate_quad(&self, quad: u32, u: f32, v: f32) -> Option<Sample> {
-        if !self.has_quads() || quad as usize >= self.quads().face_count() {
-            return None;
-        }
-        let source = Source::<QuadEvaluator>::new(self, Kind::Points)?;
-        Some(QuadEvaluator::with_own(|patches| {
-            source.patch(locate::Local::whole(quad, u, v), |channel, at, tip| {
-                patches.prepare(channel, at.face);
-                <Sample as sample::sealed::Kind>::evaluate(Asked {
-                    patches,
-                    channel,
-                    at,
-                    tip,
-                })
-            })
-        }))
-    }
-
     /// As [`Surface::evaluate`], with only as much as `S` holds: [`Sample`], [`Tangents`] or a position `[f32; 3]`.
     #[must_use]
     pub fn evaluate_as<S: Evaluated>(&self, face: u32, u: f32, v: f32) -> Option<S> {

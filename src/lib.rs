@@ -53,6 +53,7 @@ pub mod limits;
 pub mod load;
 pub mod math;
 pub mod mesh;
+pub mod patch;
 pub mod raster;
 pub mod records;
 pub mod refine;

@@ -30,7 +30,10 @@ fn torus(m: u32, n: u32, creased: bool, options: &SurfaceOptions) -> Surface {
     let at = |i: u32, j: u32| (i % m) * n + j % n;
     let mut cage = Cage::builder();
     cage = cage.points((0..m * n).map(|k| {
-        let (a, b) = (turn * (k / n) as f32 / m as f32, turn * (k % n) as f32 / n as f32);
+        let (a, b) = (
+            turn * (k / n) as f32 / m as f32,
+            turn * (k % n) as f32 / n as f32,
+        );
         let r = 2.0 + 0.8 * b.cos() + 0.1 * (3.0 * a).sin();
         [r * a.cos(), 0.8 * b.sin() + 0.2 * a.cos(), r * a.sin()]
     }));
@@ -43,7 +46,10 @@ fn torus(m: u32, n: u32, creased: bool, options: &SurfaceOptions) -> Surface {
         let chart = (i / 2 * 7 + j / 2 * 13) % 29;
         for (a, b) in [(0, 0), (0, 1), (1, 1), (1, 0)] {
             let (s, t) = ((i % 2 + a) as f32, (j % 2 + b) as f32);
-            let key = [s * 0.31 + chart as f32 * 0.037, t * 0.27 - chart as f32 * 0.051];
+            let key = [
+                s * 0.31 + chart as f32 * 0.037,
+                t * 0.27 - chart as f32 * 0.051,
+            ];
             let found = uvs.iter().position(|&uv| uv == key);
             corners.push(found.unwrap_or_else(|| {
                 uvs.push(key);

@@ -40,7 +40,8 @@ pub(crate) struct DisplaceFlags {
 }
 
 fn function(text: &str) -> Result<Function, String> {
-    text.parse().map_err(|e: earmark::displace::FunctionError| e.to_string())
+    text.parse()
+        .map_err(|e: earmark::displace::FunctionError| e.to_string())
 }
 
 /// A finite number of single precision.
@@ -73,11 +74,15 @@ impl DisplaceFlags {
             return Ok(());
         };
         if displacement.needs_uvs() && !scene.objects.iter().any(|o| o.surface.has_uvs()) {
-            warning("no model has texture coordinates: --displace moves everything by the map's lower left corner");
+            warning(
+                "no model has texture coordinates: --displace moves everything by the map's lower left corner",
+            );
         }
         for object in &mut scene.objects {
             let origin = object.surface.cage().origin();
-            object.surface.set_displacement(Some(displacement.clone().relative_to(origin)));
+            object
+                .surface
+                .set_displacement(Some(displacement.clone().relative_to(origin)));
         }
         Ok(())
     }

@@ -1,11 +1,11 @@
 //! What every verb works with: limits, clocks, threads, the models it loads, and the outputs it stages.
 
 use super::exit::{Code, Failure};
-use super::flags::{ModelFlags, RunningFlags, scheme_name};
+use super::flags::{LevelFlags, ModelFlags, RunningFlags, scheme_name};
 use super::messages::{note, warning};
+use super::pn_tags::PnTags;
 use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, reserved_bytes};
 use super::watch::{self, Phase};
-use earmark::Scene;
 use earmark::files::{self, AtomicFile, FolderResolver};
 use earmark::frame::Object;
 use earmark::limits::{Limits, Progress};
@@ -14,6 +14,8 @@ use earmark::mesh::resolver::{NoFiles, Resolver};
 use earmark::mesh::{Cage, obj};
 use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
+use earmark::tessellate::depth_tags;
+use earmark::{Scene, SurfaceOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -116,10 +118,15 @@ impl Job {
         &mut self,
         models: &[PathBuf],
         flags: &ModelFlags,
+        level: &LevelFlags,
     ) -> Result<Scene, Failure> {
         watch::phase(Phase::Reading);
+        let tags = PnTags::of(level, models.len())?;
         let mut loader = Loader::new(LoadOptions {
-            surface: flags.surface(),
+            surface: SurfaceOptions {
+                patches: level.patches(),
+                ..flags.surface()
+            },
             ..LoadOptions::default()
         });
         loader.options_mut().read.up = flags.file_up();
@@ -148,7 +155,10 @@ impl Job {
                 loader.add_cage(cage, &name, resolver.as_mut())
             })?;
         }
-        let (scene, warnings) = loader.finish();
+        let (mut scene, warnings) = loader.finish();
+        if let Some(tags) = tags {
+            self.time("read", |job| tags.apply(&mut scene, job.memory_left()))?;
+        }
         for w in &warnings {
             warning(w);
         }
@@ -162,6 +172,34 @@ impl Job {
             ));
         }
         Ok(scene)
+    }
+
+    /// Reads the file of `--depth-tags`, if it is one, for the one model of a scene.
+    pub(crate) fn read_depth_tags(
+        &mut self,
+        scene: &mut Scene,
+        flags: &LevelFlags,
+    ) -> Result<(), Failure> {
+        /// Bytes of a tag with its line, and of what may stand between: more is no file of tags.
+        const PER_TAG: u64 = 64;
+        let Some(path) = flags.tag_file() else {
+            return Ok(());
+        };
+        let [object] = scene.objects.as_mut_slice() else {
+            return Err(Failure::usage(
+                "a file of --depth-tags belongs to one model; draw models one by one",
+            ));
+        };
+        let vertices = object.surface.cage().points().len();
+        self.time("read", |job| {
+            let most = (vertices as u64 * PER_TAG).max(1 << 16);
+            let most = most.min(job.memory_left().unwrap_or(u64::MAX));
+            let text = files::read_model(path, most)?;
+            let name = obj::escape(path.as_os_str().as_encoded_bytes(), 1024);
+            object.depth_tags = depth_tags::parse(&text, &name, vertices)
+                .map_err(|e| Failure::new(Code::Data, e.to_string()))?;
+            Ok(())
+        })
     }
 
     /// Reads one model as it stands, with all that the reader has to say. A scheme of the flags that takes triangles only wants to find

@@ -63,6 +63,8 @@ fn outputs(a: &Arguments) -> Result<(Output, Option<Output>), Failure> {
     inputs.extend(a.picture.color_map.as_deref());
     inputs.extend(a.picture.normal_map.as_deref());
     inputs.extend(a.displace.displace.as_deref());
+    inputs.extend(a.level.pn_tags.as_deref());
+    inputs.extend(a.level.tag_file());
     let picture = Output::checked(&a.output, &["png"], &inputs)?;
     let Some(stats) = &a.running.stats else {
         return Ok((picture, None));
@@ -124,18 +126,29 @@ pub(crate) fn check_picture(
 }
 
 /// Adds a picture to the scene's textures.
-fn add_texture(job: &Job, scene: &mut Scene, path: &Path, meaning: Meaning) -> Result<u32, Failure> {
+fn add_texture(
+    job: &Job,
+    scene: &mut Scene,
+    path: &Path,
+    meaning: Meaning,
+) -> Result<u32, Failure> {
     let most = job.memory_left().unwrap_or(u64::MAX).min(COLOR_MAP);
     let bytes = files::read_model(path, most)?;
     let mut budget = most;
-    let map = Texture::decode(&bytes, meaning, &mut budget).map_err(|e| Failure::texture(path, &e))?;
+    let map =
+        Texture::decode(&bytes, meaning, &mut budget).map_err(|e| Failure::texture(path, &e))?;
     scene.textures.push(map);
     Ok(scene.textures.len() as u32 - 1)
 }
 
 /// Gives the scene the picture of `--normal-map` in place of its own relief.
 fn apply_normal_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Failure> {
-    let relief = Some(Relief::Normals(add_texture(job, scene, path, Meaning::Data)?));
+    let relief = Some(Relief::Normals(add_texture(
+        job,
+        scene,
+        path,
+        Meaning::Data,
+    )?));
     for material in &mut scene.materials {
         material.relief = relief;
     }
@@ -160,7 +173,8 @@ fn apply_color_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Fail
 
 /// The models of the arguments, coloured.
 fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
-    let mut scene = job.load(&a.models, &a.model)?;
+    let mut scene = job.load(&a.models, &a.model, &a.level)?;
+    job.read_depth_tags(&mut scene, &a.level)?;
     if let Some(path) = &a.picture.color_map {
         job.time("read", |job| apply_color_map(job, &mut scene, path))?;
     }
@@ -206,7 +220,9 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     check_models(&a.models)?;
     if a.displace.is_on() && a.level.drawing() == Drawing::Cage {
-        return Err(Failure::usage("--surface cage shows the polygons as they are: nothing is displaced"));
+        return Err(Failure::usage(
+            "--surface cage shows the polygons as they are: nothing is displaced",
+        ));
     }
     let (picture, stats) = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.

@@ -154,6 +154,8 @@ pub(crate) fn frame_stages(stats: &earmark::frame::FrameStats, cpu: f64) -> Stag
     let sum: f64 = fused.iter().map(|&s| ms(stats.times.get(s))).sum();
     let mut walls = vec![
         (Stage::Flatness, ms(stats.flatness)),
+        (Stage::DepthTags, ms(stats.depth_tags)),
+        (Stage::Patterns, ms(stats.patterns)),
         (Stage::Setup, ms(stats.wall[0])),
         (Stage::Bin, ms(stats.wall[1])),
     ];

@@ -145,7 +145,11 @@ impl Function {
     }
 
     fn weights(&self) -> f32 {
-        (1..self.octaves).fold((1.0, 1.0), |(sum, w): (f32, f32), _| (sum + w * self.gain, w * self.gain)).0
+        (1..self.octaves)
+            .fold((1.0, 1.0), |(sum, w): (f32, f32), _| {
+                (sum + w * self.gain, w * self.gain)
+            })
+            .0
     }
 
     /// Waves `cos(2π (frequency · r − time))`; close to the centre r is rounded off, so that there is no tip.
@@ -181,7 +185,11 @@ impl Function {
             Shape::Perlin | Shape::Ripples => 1,
             _ => self.octaves,
         };
-        let first = if count == 1 { 1.0 } else { 1.0 / self.weights() };
+        let first = if count == 1 {
+            1.0
+        } else {
+            1.0 / self.weights()
+        };
         (0..count).scan([self.frequency, first], move |state, _| {
             let now = *state;
             *state = [now[0] * function.lacunarity, now[1] * function.gain];
@@ -228,7 +236,12 @@ fn ridge(n: Slope) -> Slope {
     let sign = if n[0] < 0.0 { -1.0 } else { 1.0 };
     let rest = (1.0 - n[0] * sign).max(0.0);
     let slope = -4.0 * rest * sign;
-    [2.0 * rest * rest - 1.0, slope * n[1], slope * n[2], slope * n[3]]
+    [
+        2.0 * rest * rest - 1.0,
+        slope * n[1],
+        slope * n[2],
+        slope * n[3],
+    ]
 }
 
 impl std::str::FromStr for Function {
@@ -244,8 +257,8 @@ impl std::str::FromStr for Function {
             .1;
         let mut function = Self::new(shape);
         for part in parameters.into_iter().flat_map(|p| p.split(',')) {
-            let (name, value) = (part.split_once('='))
-                .ok_or_else(|| FunctionError::Parameter(part.to_owned()))?;
+            let (name, value) =
+                (part.split_once('=')).ok_or_else(|| FunctionError::Parameter(part.to_owned()))?;
             function.set(name.trim(), value.trim())?;
         }
         Ok(function)
@@ -296,16 +309,33 @@ mod tests {
 
     #[test]
     fn texts_are_read_or_refused() {
-        let f: Function = "ridged:scale=0.5,octaves=3,lacunarity=2.5,gain=0.4,seed=9,t=1.5".parse().unwrap();
+        let f: Function = "ridged:scale=0.5,octaves=3,lacunarity=2.5,gain=0.4,seed=9,t=1.5"
+            .parse()
+            .unwrap();
         assert_eq!((f.shape, f.frequency, f.octaves), (Shape::Ridged, 2.0, 3));
         assert_eq!((f.lacunarity, f.gain, f.seed, f.time), (2.5, 0.4, 9, 1.5));
         let f: Function = "ripples:x=1,y=-2,z=3".parse().unwrap();
         assert_eq!(f.center, [1.0, -2.0, 3.0]);
         for bad in [
-            "", "noise", "perlin:", "perlin:frequency", "perlin:frequency=", "perlin:frequency=0",
-            "perlin:frequency=nan", "perlin:frequency=inf", "fbm:octaves=0", "fbm:octaves=17",
-            "fbm:octaves=1.5", "fbm:gain=2", "fbm:gain=-1", "fbm:lacunarity=0.5", "fbm:seed=-1",
-            "fbm:t=1e9", "fbm:q=1", "fbm:frequency=1,", "Fbm",
+            "",
+            "noise",
+            "perlin:",
+            "perlin:frequency",
+            "perlin:frequency=",
+            "perlin:frequency=0",
+            "perlin:frequency=nan",
+            "perlin:frequency=inf",
+            "fbm:octaves=0",
+            "fbm:octaves=17",
+            "fbm:octaves=1.5",
+            "fbm:gain=2",
+            "fbm:gain=-1",
+            "fbm:lacunarity=0.5",
+            "fbm:seed=-1",
+            "fbm:t=1e9",
+            "fbm:q=1",
+            "fbm:frequency=1,",
+            "Fbm",
         ] {
             assert!(bad.parse::<Function>().is_err(), "{bad}");
         }
@@ -313,7 +343,12 @@ mod tests {
 
     #[test]
     fn gradients_are_differences_and_values_are_bounded() {
-        for text in ["perlin:frequency=2", "fbm:frequency=1.5,t=0.3", "ridged:octaves=2", "ripples:frequency=2,t=0.2,x=0.3"] {
+        for text in [
+            "perlin:frequency=2",
+            "fbm:frequency=1.5,t=0.3",
+            "ridged:octaves=2",
+            "ripples:frequency=2,t=0.2,x=0.3",
+        ] {
             let f: Function = text.parse().unwrap();
             let mut off = 0;
             for i in 0..2000_i32 {
@@ -329,7 +364,10 @@ mod tests {
                     let close = (found - slope[1 + k]).abs() < 0.02 * (1.0 + slope[1 + k].abs());
                     // On a ridge there is no gradient.
                     off += i32::from(!close);
-                    assert!(close || f.shape == Shape::Ridged, "{text} {p:?}: {found} {slope:?}");
+                    assert!(
+                        close || f.shape == Shape::Ridged,
+                        "{text} {p:?}: {found} {slope:?}"
+                    );
                 }
             }
             assert!(off < 30, "{text}: {off}");

@@ -59,7 +59,10 @@ impl HeightMap {
     /// [`MapError`].
     pub fn new(width: u32, height: u32, texels: Vec<f32>) -> Result<Self, MapError> {
         let side = |n: u32| (1..=Self::MAX_SIDE).contains(&n);
-        if !side(width) || !side(height) || texels.len() as u64 != u64::from(width) * u64::from(height) {
+        if !side(width)
+            || !side(height)
+            || texels.len() as u64 != u64::from(width) * u64::from(height)
+        {
             return Err(MapError::Count {
                 width,
                 height,
@@ -151,7 +154,11 @@ impl HeightMap {
     #[must_use]
     pub fn range(&self) -> [f32; 2] {
         // The last level of ranges is one square.
-        self.ranges.last().and_then(|r| r.of.first()).copied().unwrap_or_default()
+        self.ranges
+            .last()
+            .and_then(|r| r.of.first())
+            .copied()
+            .unwrap_or_default()
     }
 
     /// Lowest and highest height in a box of texture coordinates, from `low` to `high`.
@@ -220,7 +227,10 @@ impl HeightMap {
 
     fn pyramid(&self) -> Vec<Ranges> {
         let mut out: Vec<Ranges> = Vec::new();
-        let (w, h) = (self.width.div_ceil(1 << FINEST), self.height.div_ceil(1 << FINEST));
+        let (w, h) = (
+            self.width.div_ceil(1 << FINEST),
+            self.height.div_ceil(1 << FINEST),
+        );
         let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         let none = [f32::INFINITY, f32::NEG_INFINITY];
         let mut of = vec![none; w as usize * h as usize];
@@ -277,7 +287,10 @@ mod tests {
 
     fn waves(w: u32, h: u32) -> HeightMap {
         let at = |x: u32, y: u32| {
-            let (u, v) = ((x as f32 + 0.5) / w as f32, 1.0 - (y as f32 + 0.5) / h as f32);
+            let (u, v) = (
+                (x as f32 + 0.5) / w as f32,
+                1.0 - (y as f32 + 0.5) / h as f32,
+            );
             libm::sinf(6.283_185_3 * u) * libm::cosf(6.283_185_3 * v)
         };
         let texels = (0..h).flat_map(|y| (0..w).map(move |x| at(x, y))).collect();
@@ -315,7 +328,11 @@ mod tests {
             let map = waves(w, h);
             for i in 0..300 {
                 let at = |k: f32| (i as f32 * k).fract() * 3.0 - 1.0;
-                let (u, v, size) = (at(0.371), at(0.713), (i as f32 * 0.17).fract().powi(4) * 1.5);
+                let (u, v, size) = (
+                    at(0.371),
+                    at(0.713),
+                    (i as f32 * 0.17).fract().powi(4) * 1.5,
+                );
                 let [lo, hi] = map.range_in([u, v], [u + size, v + size]);
                 for j in 0..40 {
                     let (s, t) = ((j as f32 * 0.31).fract(), (j as f32 * 0.77).fract());

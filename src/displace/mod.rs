@@ -84,7 +84,11 @@ impl fmt::Debug for Displacement {
             Kind::Function(function) => format!("{function:?}"),
             Kind::Vector { most, .. } => format!("vectors up to {most}"),
         };
-        write!(f, "Displacement({kind}, scale {}, bias {})", self.scale, self.bias)
+        write!(
+            f,
+            "Displacement({kind}, scale {}, bias {})",
+            self.scale, self.bias
+        )
     }
 }
 
@@ -104,7 +108,10 @@ impl Displacement {
     /// By vectors that `rule` says; longer ones are shortened to `most` model units, and what is not finite does not move. The rule must
     /// depend on its argument alone, and is asked from many threads. Normals come from differences of the rule.
     #[must_use]
-    pub fn vector(most: f32, rule: impl Fn(&DisplaceSite) -> [f32; 3] + Send + Sync + 'static) -> Self {
+    pub fn vector(
+        most: f32,
+        rule: impl Fn(&DisplaceSite) -> [f32; 3] + Send + Sync + 'static,
+    ) -> Self {
         Self::of(Kind::Vector {
             rule: Arc::new(rule),
             most: if most.is_finite() { most.abs() } else { 0.0 },
@@ -175,7 +182,11 @@ impl Displacement {
     #[must_use]
     pub fn most(&self) -> f32 {
         let most = match &self.kind {
-            Kind::Map(map) => map.range().map(|h| self.height(h).abs()).into_iter().fold(0.0, f32::max),
+            Kind::Map(map) => map
+                .range()
+                .map(|h| self.height(h).abs())
+                .into_iter()
+                .fold(0.0, f32::max),
             Kind::Function(function) => {
                 let most = function.most();
                 self.height(most).abs().max(self.height(-most).abs())
@@ -245,8 +256,11 @@ impl Displacement {
                         true => [0.0; 3],
                         false => Self::vector_at(&**rule, *most, &site),
                     };
-                    (points.x[k], points.y[k], points.z[k]) =
-                        (site.position[0] + d[0], site.position[1] + d[1], site.position[2] + d[2]);
+                    (points.x[k], points.y[k], points.z[k]) = (
+                        site.position[0] + d[0],
+                        site.position[1] + d[1],
+                        site.position[2] + d[2],
+                    );
                 }
                 return;
             }
@@ -270,7 +284,9 @@ impl Displacement {
                 bend.displaced(n, value, slope)
             }
             Kind::Map(_) => {
-                let slope = at.uv_by.map(|[u, v]| (slope[0] * u + slope[1] * v) * self.scale);
+                let slope = at
+                    .uv_by
+                    .map(|[u, v]| (slope[0] * u + slope[1] * v) * self.scale);
                 bend.displaced(n, value, slope)
             }
             Kind::Vector { rule, most } => at.of_rule(|site| Self::vector_at(&**rule, *most, site)),
@@ -292,7 +308,10 @@ impl Displacement {
         let (first, second) = (math::cross(dv, n), math::cross(n, du));
         [0, 1].map(|k| {
             let [u, v] = [at.uv_by[0][k], at.uv_by[1][k]];
-            math::scale(math::add(math::scale(first, u), math::scale(second, v)), factor)
+            math::scale(
+                math::add(math::scale(first, u), math::scale(second, v)),
+                factor,
+            )
         })
     }
 
@@ -400,7 +419,13 @@ mod tests {
         let Kind::Vector { rule, most } = &d.kind else {
             return;
         };
-        assert_eq!(Displacement::vector_at(&**rule, *most, &DisplaceSite::default()), [0.0; 3]);
-        assert_eq!(Displacement::vector_at(&|_| [3.0, 4.0, 0.0], 0.5, &DisplaceSite::default()), [0.3, 0.4, 0.0]);
+        assert_eq!(
+            Displacement::vector_at(&**rule, *most, &DisplaceSite::default()),
+            [0.0; 3]
+        );
+        assert_eq!(
+            Displacement::vector_at(&|_| [3.0, 4.0, 0.0], 0.5, &DisplaceSite::default()),
+            [0.3, 0.4, 0.0]
+        );
     }
 }

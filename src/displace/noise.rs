@@ -67,11 +67,7 @@ pub(super) fn perlin(p: [f32; 3], seed: u32) -> Slope {
     let (iz, z) = cell(p[2]);
     let ([u, du], [v, dv], [w, dw]) = (fade(x), fade(y), fade(z));
     let corner = |a: i32, b: i32, c: i32| {
-        let at = [
-            ix.wrapping_add(a),
-            iy.wrapping_add(b),
-            iz.wrapping_add(c),
-        ];
+        let at = [ix.wrapping_add(a), iy.wrapping_add(b), iz.wrapping_add(c)];
         let [gx, gy, gz] = direction(hash(at, seed));
         let d = [x - a as f32, y - b as f32, z - c as f32];
         [(gx * d[0] + gy * d[1]) + gz * d[2], gx, gy, gz]
@@ -95,7 +91,8 @@ pub(super) fn perlin(p: [f32; 3], seed: u32) -> Slope {
 #[inline(always)]
 pub(super) fn moving(p: [f32; 3], time: f32, seed: u32) -> Slope {
     let (step, t) = cell(time);
-    let seed_at = |k: i32| seed.wrapping_add((step.wrapping_add(k) as u32).wrapping_mul(0x632b_e5ab));
+    let seed_at =
+        |k: i32| seed.wrapping_add((step.wrapping_add(k) as u32).wrapping_mul(0x632b_e5ab));
     let a = perlin(p, seed_at(0));
     if t == 0.0 {
         return a;
@@ -138,7 +135,8 @@ mod tests {
     #[test]
     fn gradients_are_differences() {
         for p in places() {
-            for f in [&|p| perlin(p, 5), &|p| moving(p, 2.3, 5)] as [&dyn Fn([f32; 3]) -> Slope; 2] {
+            for f in [&|p| perlin(p, 5), &|p| moving(p, 2.3, 5)] as [&dyn Fn([f32; 3]) -> Slope; 2]
+            {
                 let slope = f(p);
                 for k in 0..3 {
                     let step = 1.0 / 256.0;
@@ -146,7 +144,10 @@ mod tests {
                     a[k] -= step;
                     b[k] += step;
                     let found = (f(b)[0] - f(a)[0]) / (2.0 * step);
-                    assert!((found - slope[1 + k]).abs() < 2e-3, "{p:?} {k}: {found} {slope:?}");
+                    assert!(
+                        (found - slope[1 + k]).abs() < 2e-3,
+                        "{p:?} {k}: {found} {slope:?}"
+                    );
                 }
             }
         }

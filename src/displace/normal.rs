@@ -27,7 +27,9 @@ impl Bend {
         if !(det > 1e-10 * e * g) {
             return [[0.0; 3]; 2];
         }
-        let mix = |a: f32, b: f32| math::scale(math::add(math::scale(du, a), math::scale(dv, b)), 1.0 / det);
+        let mix = |a: f32, b: f32| {
+            math::scale(math::add(math::scale(du, a), math::scale(dv, b)), 1.0 / det)
+        };
         [
             mix(f * m - g * l, f * l - e * m),
             mix(f * k - g * m, f * m - e * k),
@@ -53,7 +55,10 @@ impl Bend {
             return [[0.0; 3]; 2];
         }
         let mix = |a: f32, b: f32| {
-            math::scale(math::sub(math::scale(self.du, a), math::scale(self.dv, b)), factor)
+            math::scale(
+                math::sub(math::scale(self.du, a), math::scale(self.dv, b)),
+                factor,
+            )
         };
         [mix(vv, vu), math::scale(mix(uv, uu), -1.0)]
     }
@@ -68,7 +73,9 @@ pub(crate) fn unit(a: [f32; 3], b: [f32; 3]) -> Option<[f32; 3]> {
         return None;
     }
     let c = math::cross(a.map(|x| x / ma), b.map(|x| x / mb));
-    (math::dot(c, c) > 1e-12).then(|| math::normalize(c)).flatten()
+    (math::dot(c, c) > 1e-12)
+        .then(|| math::normalize(c))
+        .flatten()
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 //! visibility, so it does not depend on the order of drawing.
 
 use super::Frame;
-use super::tile::{Scratch, interpolate};
-use crate::raster::{Cell, Key, Tile, barycentrics, draw_block};
+use super::spot::{Spot, draw};
+use super::tile::Scratch;
+use crate::raster::{Cell, Key, Tile};
 use crate::records::SampleId;
 use crate::texture::Texture;
 
@@ -31,21 +32,28 @@ impl Cell for Layers {
 }
 
 /// Draws the block that stands in the scratch buffers, with its texture coordinates and footprints, through its opacity map.
-pub(super) fn draw_cutout(frame: &Frame<'_>, s: &mut Scratch, map: &Texture, rank: u32) {
+pub(super) fn draw_cutout(
+    frame: &Frame<'_>,
+    s: &mut Scratch,
+    list: Option<&[[u16; 3]]>,
+    map: &Texture,
+    rank: u32,
+) {
     let ([x0, y0], [width, height]) = (s.tile.origin(), s.tile.size());
     let samples = frame.size.samples;
     let layers = s
         .layers
         .get_or_insert_with(|| Tile::new(0, 0, 0, 0, samples));
     layers.place(x0, y0, width, height, samples);
-    draw_block(frame.simd, layers, &s.projected, rank);
+    draw(frame.simd, layers, &s.projected, list, rank);
     for sample in 0..samples {
         for y in 0..height {
             for x in 0..width {
                 for key in layers.cell(x, y, sample).0 {
                     let Some(id) = key.id() else { break };
-                    let w = barycentrics(&s.projected, id, x0 + x, y0 + y, sample, samples);
-                    let at = |g: &[f32]| interpolate(g, id, w);
+                    let at = [x0 + x, y0 + y, sample];
+                    let spot = Spot::of(&s.projected, list, id, at, samples);
+                    let at = |g: &[f32]| spot.mix(g);
                     let (u, v) = (at(&s.attributes.uvs.x), at(&s.attributes.uvs.y));
                     if map.opacity(u, v, map.lod(at(&s.footprint))) >= 0.5 {
                         s.tile.merge(x, y, sample, key);

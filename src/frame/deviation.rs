@@ -4,8 +4,10 @@
 use super::source::{Attributes, Source, SourceScratch};
 use super::{Frame, RenderError, Renderer, Scene};
 use crate::camera::View;
+use crate::evaluate::Sample;
 use crate::math;
 use crate::records::Grid3;
+use crate::surface::Surface;
 use rayon::prelude::*;
 
 /// Largest distances of one view.
@@ -41,7 +43,8 @@ impl Deviation {
 }
 
 impl Renderer {
-    /// Measures the drawn triangles of all surfaces of quads, at `steps` places along their sides and those between.
+    /// Measures the drawn triangles, at `steps` places along their sides and those between. Interpolating surfaces are known at dyadic
+    /// places alone: `steps` should be a power of two.
     ///
     /// # Errors
     /// As [`Renderer::render_view`].
@@ -84,7 +87,7 @@ impl Worker {
         let mut out = Deviation::default();
         let source = frame.source_of(item);
         let local = item - source.first_item;
-        if !source.is_drawn(local) || !source.object.surface.has_quads() {
+        if !source.is_drawn(local) {
             return out;
         }
         let capped = source.level(local) >= cap;
@@ -95,6 +98,18 @@ impl Worker {
             let size = source.block_size(local);
             let (quad, places) = source.places(local, block);
             let place = |i: usize, j: usize| places[j * size.cols + i];
+            let surface = &source.object.surface;
+            let Some(mut evaluator) = surface.face_evaluator(surface.cage_face(quad)) else {
+                continue;
+            };
+            let mut limit = |u: f32, v: f32| {
+                let [u, v] = cage_place(surface, quad, [u, v]);
+                evaluator.at_as::<Sample>(u, v)
+            };
+            if source.list(local).is_some() {
+                // Lists are not measured.
+                continue;
+            }
             for j in 0..size.rows - 1 {
                 for i in 0..size.cols - 1 {
                     for half in [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]] {
@@ -108,7 +123,7 @@ impl Worker {
                             points: at.map(|(i, j)| self.points.get(i, j)),
                             normals: at.map(|(i, j)| self.attributes.normals.get(i, j)),
                         };
-                        triangle.measure(frame, source, quad, steps, &mut out);
+                        triangle.measure(&frame.view, &mut limit, steps, &mut out);
                     }
                 }
             }
@@ -118,6 +133,26 @@ impl Worker {
             out.pixels = 0.0;
         }
         out
+    }
+}
+
+/// The parameters by which [`Surface::evaluate`] knows a place on the grid of quad `quad`.
+fn cage_place(surface: &Surface, quad: u32, [u, v]: [f32; 2]) -> [f32; 2] {
+    if surface.is_triangular() {
+        return [(u - v).max(0.0), v];
+    }
+    if !surface.is_split() {
+        return [u, v];
+    }
+    let t = surface.topology();
+    let halves = t.face_halves(t.face_of(quad));
+    let corner = quad - halves.start;
+    match (halves.len(), corner) {
+        (4, 0) => [0.5 * u, 0.5 * v],
+        (4, 1) => [1.0 - 0.5 * v, 0.5 * u],
+        (4, 2) => [1.0 - 0.5 * u, 1.0 - 0.5 * v],
+        (4, _) => [0.5 * v, 1.0 - 0.5 * u],
+        _ => [corner as f32 + u, v],
     }
 }
 
@@ -135,14 +170,12 @@ struct Triangle {
 impl Triangle {
     fn measure(
         &self,
-        frame: &Frame<'_>,
-        source: &Source<'_>,
-        quad: u32,
+        view: &View,
+        limit: &mut impl FnMut(f32, f32) -> Option<Sample>,
         steps: u32,
         out: &mut Deviation,
     ) {
         out.triangles += 1;
-        let view = &frame.view;
         let screen = |p: [f32; 3]| {
             let e = math::sub(p, view.eye);
             let z = view.distance(p);
@@ -176,7 +209,7 @@ impl Triangle {
                     sum.clamp(0.0, 1.0)
                 });
                 let (p, n) = (mix(self.points), mix(self.normals));
-                let Some(sample) = source.object.surface.evaluate_quad(quad, u, v) else {
+                let Some(sample) = limit(u, v) else {
                     continue;
                 };
                 if let (Some(p), Some(q)) = (screen(p), screen(sample.position)) {

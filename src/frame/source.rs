@@ -78,7 +78,9 @@ impl SourceScratch {
     /// Time spent displacing since this was asked last.
     pub(super) fn take_displaced(&self) -> Duration {
         let spent = self.patch.clock.get().unwrap_or_default();
-        self.patch.clock.set(self.patch.clock.get().map(|_| Duration::ZERO));
+        self.patch
+            .clock
+            .set(self.patch.clock.get().map(|_| Duration::ZERO));
         spent
     }
 
@@ -253,9 +255,16 @@ impl<'a> Source<'a> {
         self.drawing == Drawing::Cage || !self.object.surface.is_triangular() || bv <= bu
     }
 
+    /// Triangles of an item that is drawn as a list of them and not as a grid, by the indices of their points.
+    pub(super) fn list(&self, item: u32) -> Option<&[[u16; 3]]> {
+        let t = self.tessellation.as_ref()?;
+        let list = t.list(&t.leaves[item as usize])?;
+        Some(&list.triangles)
+    }
+
     pub(super) fn block_size(&self, item: u32) -> BlockSize {
         if let Some(t) = &self.tessellation {
-            leaf::block_size(&t.leaves[item as usize])
+            leaf::block_size(t, item)
         } else if self.drawing == Drawing::Cage {
             PAIR
         } else {
@@ -419,9 +428,10 @@ impl<'a> Source<'a> {
     }
 
     fn corner_point(&self, h: u32) -> [f32; 3] {
-        let fan = self.object.surface.quads().fan(h);
-        let refined = self.refined.as_ref().and_then(|fans| fans.point(fan));
-        refined.unwrap_or_else(|| self.object.surface.fan_limit(fan).0)
+        let surface = &self.object.surface;
+        let of_fan = |fans: &RefinedFans| fans.point(surface.quads().fan(h));
+        let refined = self.refined.as_ref().and_then(of_fan);
+        refined.unwrap_or_else(|| surface.corner_point(h).0)
     }
 
     fn dice_polygon(&self, item: u32, points: &mut Grid3, attributes: Option<&mut Attributes>) {
@@ -435,8 +445,7 @@ impl<'a> Source<'a> {
         a.has_uvs = a.wants_uvs && surface.has_uvs();
         a.has_colors = !surface.cage().colors.is_empty();
         for (&h, (i, j)) in corners.iter().zip(CORNERS) {
-            a.normals
-                .set(i, j, surface.fan_limit(surface.quads().fan(h)).1);
+            a.normals.set(i, j, surface.corner_point(h).1);
             a.uvs.set(i, j, surface.uv_limit(h).unwrap_or_default());
             a.colors
                 .set(i, j, surface.color_limit(h).unwrap_or_default());

@@ -7,6 +7,10 @@ use std::time::{Duration, Instant};
 pub enum Stage {
     /// Levels and blocks of an adaptive tessellation.
     Flatness,
+    /// Tags of vertices and the blocks that follow from them.
+    DepthTags,
+    /// Refinement patterns as blocks.
+    Patterns,
     /// Hulls and screen boxes.
     Setup,
     /// Bins of tiles.
@@ -25,8 +29,10 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the frame.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Flatness,
+        Self::DepthTags,
+        Self::Patterns,
         Self::Setup,
         Self::Bin,
         Self::Dice,
@@ -41,6 +47,8 @@ impl Stage {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flatness => "flatness",
+            Self::DepthTags => "depth_tags",
+            Self::Patterns => "patterns",
             Self::Setup => "setup",
             Self::Bin => "bin",
             Self::Dice => "dice",
@@ -120,6 +128,10 @@ pub struct FrameStats {
     pub wall: [Duration; 3],
     /// Wall time of the adaptive tessellation.
     pub flatness: Duration,
+    /// Wall time of depth tags and their blocks.
+    pub depth_tags: Duration,
+    /// Wall time of refinement patterns.
+    pub patterns: Duration,
     /// Bytes of adaptive tessellations: blocks with their moved points, and trees of edges.
     pub flatness_bytes: u64,
 }

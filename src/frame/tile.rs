@@ -4,12 +4,11 @@
 use super::Frame;
 use super::cutout::{Layers, draw_cutout};
 use super::source::{Attributes, Source, SourceScratch};
+use super::spot::{Spot, draw};
 use super::stats::{Stage, StageTimes};
 use crate::displace::Displacement;
 use crate::film::PixelSum;
-use crate::raster::{
-    Key, PixelBox, ProjectedBlock, Tile, barycentrics, bounds, draw_block, project,
-};
+use crate::raster::{Key, PixelBox, ProjectedBlock, Tile, bounds, project};
 use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
 use crate::shade::SurfacePoint;
 use crate::simd::Level;
@@ -134,6 +133,7 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
     let source = frame.source_of(item);
     let local = item - source.first_item;
     let size = source.block_size(local);
+    let list = source.list(local);
     let cutout = frame.cutout(source.object.material(source.cage_face(local)));
     let [nu, nv] = source.blocks(local);
     for bv in 0..nv {
@@ -151,7 +151,8 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
             let attributes = cutout.map(|_| &mut s.attributes);
             source.dice(&mut s.source, local, [bu, bv], &mut s.points, attributes);
             let clock = s.times.lap(Stage::Dice, clock);
-            s.times.shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
+            s.times
+                .shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
             project(
                 frame.simd,
                 &s.points,
@@ -162,10 +163,16 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
             let rank = next_rank(s);
             match cutout {
                 Some(map) if s.attributes.has_uvs => {
-                    footprints(&s.projected, &s.attributes.uvs, size, &mut s.footprint);
-                    draw_cutout(frame, s, map, rank);
+                    footprints(
+                        &s.projected,
+                        &s.attributes.uvs,
+                        list,
+                        size,
+                        &mut s.footprint,
+                    );
+                    draw_cutout(frame, s, list, map, rank);
                 }
-                _ => draw_block(frame.simd, &mut s.tile, &s.projected, rank),
+                _ => draw(frame.simd, &mut s.tile, &s.projected, list, rank),
             }
             s.drawn.push(Drawn {
                 item,
@@ -288,7 +295,7 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         let Drawn { item, block } = s.drawn[rank];
         let source = frame.source_of(item);
         let local = item - source.first_item;
-        let size = source.block_size(local);
+        let (size, list) = (source.block_size(local), source.list(local));
         source.dice(
             &mut s.source,
             local,
@@ -304,7 +311,13 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
             &mut s.projected,
         );
         if s.attributes.has_uvs {
-            footprints(&s.projected, &s.attributes.uvs, size, &mut s.footprint);
+            footprints(
+                &s.projected,
+                &s.attributes.uvs,
+                list,
+                size,
+                &mut s.footprint,
+            );
         }
         let clock = s.times.lap(Stage::Dice, clock);
         (s.times).shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
@@ -319,19 +332,18 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         let [x0, y0] = s.tile.origin();
         for v in &s.order[range.clone()] {
             let ([x, y, sample], id) = (v.place(), SampleId(v.id));
-            let weights =
-                barycentrics(&s.projected, id, x0 + x, y0 + y, sample, frame.size.samples);
+            let at = [x0 + x, y0 + y, sample];
+            let spot = Spot::of(&s.projected, list, id, at, frame.size.samples);
             let mut point = surface_point(
                 frame,
                 &s.points,
                 &s.attributes,
                 &s.footprint,
-                id,
-                weights,
+                spot,
                 template,
             );
             if s.attributes.has_tangents {
-                relief(source, &s.attributes, id, weights, &mut point);
+                relief(source, &s.attributes, spot, &mut point);
             }
             s.surface.push(point);
         }
@@ -346,15 +358,6 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
     }
 }
 
-/// Interpolates a quantity of a block at a sample; `w` weighs the points (i, j), (i+1, j), (i+1, j+1), (i, j+1).
-#[inline(always)]
-pub(super) fn interpolate(a: &[f32], id: SampleId, w: [f32; 4]) -> f32 {
-    let k = id.row() as usize * BLOCK_STRIDE + id.col() as usize;
-    // One check of bounds for all four corners.
-    let a = &a[k..k + BLOCK_STRIDE + 2];
-    (w[0] * a[0] + w[1] * a[1]) + (w[2] * a[BLOCK_STRIDE + 1] + w[3] * a[BLOCK_STRIDE])
-}
-
 /// The surface at a sample of a block.
 #[inline]
 fn surface_point(
@@ -362,46 +365,24 @@ fn surface_point(
     points: &Grid3,
     a: &Attributes,
     footprint: &[f32],
-    id: SampleId,
-    w: [f32; 4],
+    spot: Spot,
     template: SurfacePoint,
 ) -> SurfacePoint {
-    let mix3 = |g: &Grid3| {
-        [
-            interpolate(&g.x, id, w),
-            interpolate(&g.y, id, w),
-            interpolate(&g.z, id, w),
-        ]
-    };
-    let position = mix3(points);
-    let (i, j) = (id.col() as usize, id.row() as usize);
-    let middle = if id.half() == 0 {
-        (i + 1, j)
-    } else {
-        (i, j + 1)
-    };
-    let (p, q, r) = (
-        points.get(i, j),
-        points.get(middle.0, middle.1),
-        points.get(i + 1, j + 1),
-    );
-    let n = crate::math::cross(crate::math::sub(q, p), crate::math::sub(r, p));
-    let uv = a
-        .has_uvs
-        .then(|| [interpolate(&a.uvs.x, id, w), interpolate(&a.uvs.y, id, w)]);
+    let position = spot.mix3(points);
+    let uv = a.has_uvs.then(|| [spot.mix(&a.uvs.x), spot.mix(&a.uvs.y)]);
     SurfacePoint {
         position,
-        normal: mix3(&a.normals),
-        geometric: if id.half() == 0 { n } else { n.map(|c| -c) },
+        normal: spot.mix3(&a.normals),
+        geometric: spot.geometric(points),
         uv,
         uv_footprint: if uv.is_some() {
-            interpolate(footprint, id, w)
+            spot.mix(footprint)
         } else {
             0.0
         },
         // The limit of colours may leave the range of its control values by rounding only, but files may hold anything.
         color: if a.has_colors {
-            mix3(&a.colors).map(|c| c.max(0.0))
+            spot.mix3(&a.colors).map(|c| c.max(0.0))
         } else {
             [1.0; 3]
         },
@@ -411,17 +392,8 @@ fn surface_point(
 }
 
 /// What tilts the normal of a point: given to shading, or done at once where the displacement's map says it.
-fn relief(
-    source: &Source<'_>,
-    a: &Attributes,
-    id: SampleId,
-    w: [f32; 4],
-    point: &mut SurfacePoint,
-) {
-    let tangents = [0, 1].map(|k| {
-        let g = &a.tangents[k];
-        [&g.x, &g.y, &g.z].map(|c| interpolate(&c[..], id, w))
-    });
+fn relief(source: &Source<'_>, a: &Attributes, spot: Spot, point: &mut SurfacePoint) {
+    let tangents = [0, 1].map(|k| spot.mix3(&a.tangents[k]));
     let map = (source.object.surface.displacement()).and_then(Displacement::pixel_map);
     match (map, point.uv) {
         (Some(map), Some([u, v])) => {
@@ -434,7 +406,16 @@ fn relief(
 }
 
 /// Per grid point the side of the square in texture coordinates that covers the area of a pixel, from differences along the grid.
-fn footprints(block: &ProjectedBlock, uvs: &Grid3, size: BlockSize, out: &mut Vec<f32>) {
+fn footprints(
+    block: &ProjectedBlock,
+    uvs: &Grid3,
+    list: Option<&[[u16; 3]]>,
+    size: BlockSize,
+    out: &mut Vec<f32>,
+) {
+    if let Some(list) = list {
+        return list_footprints(block, uvs, list, size, out);
+    }
     out.clear();
     out.resize((size.rows + 1) * BLOCK_STRIDE, 0.0);
     let step = |k: usize, n: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
@@ -456,6 +437,38 @@ fn footprints(block: &ProjectedBlock, uvs: &Grid3, size: BlockSize, out: &mut Ve
             out[j * BLOCK_STRIDE + i] = (texture / pixels.max(1.0 / 256.0)).sqrt();
         }
     }
+}
+
+/// The same at the points of a list of triangles: from the areas of those around each.
+fn list_footprints(
+    block: &ProjectedBlock,
+    uvs: &Grid3,
+    list: &[[u16; 3]],
+    size: BlockSize,
+    out: &mut Vec<f32>,
+) {
+    let count = (size.rows + 1) * BLOCK_STRIDE;
+    let mut areas = vec![[0.0_f32; 2]; count];
+    for t in list {
+        let at = t.map(|k| [usize::from(k) % BLOCK_STRIDE, usize::from(k) / BLOCK_STRIDE]);
+        let p = at.map(|[i, j]| block.position(i, j).map(|c| c as f32 / 256.0));
+        let uv = at.map(|[i, j]| uvs.get(i, j)).map(|[u, v, _]| [u, v]);
+        let area = |p: [[f32; 2]; 3]| {
+            let (a, b) = (
+                [p[1][0] - p[0][0], p[1][1] - p[0][1]],
+                [p[2][0] - p[0][0], p[2][1] - p[0][1]],
+            );
+            (a[0] * b[1] - a[1] * b[0]).abs()
+        };
+        let [texture, pixels] = [area(uv), area(p)];
+        for &k in t {
+            areas[usize::from(k)][0] += texture;
+            areas[usize::from(k)][1] += pixels;
+        }
+    }
+    out.clear();
+    let side = |[texture, pixels]: [f32; 2]| (texture / pixels.max(1.0 / 256.0)).sqrt();
+    out.extend(areas.into_iter().map(side));
 }
 
 /// Averages samples into pixels. Returns how many pixels show something.

@@ -76,7 +76,15 @@ fn frame(normal: [f32; 3], [along, across]: [[f32; 3]; 2]) -> Option<[[f32; 3]; 
     let n = normalize(normal)?;
     let t = normalize(sub(along, scale(n, dot(n, along))))?;
     let b = cross(n, t);
-    Some([t, if dot(b, across) < 0.0 { scale(b, -1.0) } else { b }, n])
+    Some([
+        t,
+        if dot(b, across) < 0.0 {
+            scale(b, -1.0)
+        } else {
+            b
+        },
+        n,
+    ])
 }
 
 #[cfg(test)]
@@ -114,16 +122,25 @@ mod tests {
     fn what_has_no_tangents_keeps_its_normal() {
         assert_eq!(tilt([255, 0, 0, 255], [[0.0; 3]; 2]), Z);
         assert_eq!(tilt([255, 0, 0, 255], [[f32::NAN; 3]; 2]), Z);
-        assert_eq!(Relief::Normals(7).tilt(&[], Z, [[1.0; 3]; 2], [0.0; 2], 0.0), Z);
+        assert_eq!(
+            Relief::Normals(7).tilt(&[], Z, [[1.0; 3]; 2], [0.0; 2], 0.0),
+            Z
+        );
     }
 
     #[test]
     fn bumps_lean_away_from_the_rise() {
         let texels = (0..64).map(|i| [(i % 8 * 16) as u8, 0, 0, 255]).collect();
         let ramp = vec![Texture::from_rgba8(8, 8, texels, Meaning::Data).unwrap()];
-        let relief = Relief::Heights { map: 0, strength: 1.0 };
+        let relief = Relief::Heights {
+            map: 0,
+            strength: 1.0,
+        };
         let [x, y, z] = relief.tilt(&ramp, Z, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [0.5; 2], 0.0);
         // A rise of 16 codes per eighth of the side.
-        assert!((x + 16.0 / 255.0 * 8.0).abs() < 1e-3 && y.abs() < 1e-6 && z == 1.0, "{x} {y} {z}");
+        assert!(
+            (x + 16.0 / 255.0 * 8.0).abs() < 1e-3 && y.abs() < 1e-6 && z == 1.0,
+            "{x} {y} {z}"
+        );
     }
 }

@@ -35,7 +35,8 @@ impl Displaced {
             faces[whole.edge(h) as usize] += 1;
         }
         let paired = |e: u32| whole.twin(whole.edge_half(e)) != NONE;
-        let held = (0..whole.edge_count() as u32).filter(|&e| faces[e as usize] > 1 + u32::from(paired(e)));
+        let held = (0..whole.edge_count() as u32)
+            .filter(|&e| faces[e as usize] > 1 + u32::from(paired(e)));
         let held_edges = held.collect();
         let first = whole.vertex_count() as u32;
         let extra = first..whole.fans().len() as u32;
@@ -52,7 +53,9 @@ impl Displaced {
             let mut normals = Vec::new();
             let (mut h, mut last) = (fan.first, NONE);
             for _ in 0..fan.faces {
-                if cut.fan(h) != last && !(fan.closed && Some(cut.fan(h)) == normals.first().map(|n: &(u32, _)| n.0)) {
+                if cut.fan(h) != last
+                    && !(fan.closed && Some(cut.fan(h)) == normals.first().map(|n: &(u32, _)| n.0))
+                {
                     normals.push((cut.fan(h), surface.fan_limit(cut.fan(h)).1));
                 }
                 last = cut.fan(h);
@@ -66,7 +69,11 @@ impl Displaced {
         }
         let most = displacement.most();
         // Mitres.
-        let reach = if directions.is_empty() { most } else { 2.0 * most };
+        let reach = if directions.is_empty() {
+            most
+        } else {
+            2.0 * most
+        };
         Self {
             reach,
             displacement,
@@ -75,7 +82,6 @@ impl Displaced {
             directions,
         }
     }
-
 }
 
 /// Directions of the vertices of a bilinear surface, where every edge is a crease: mitres of their faces' normals.
@@ -87,7 +93,10 @@ fn linear_directions(surface: &Surface) -> BTreeMap<u32, [f32; 3]> {
         let mut h = fan.first;
         let mut normals = Vec::new();
         for _ in 0..fan.faces {
-            let (next, before) = (math::sub(at(t.next(h)), at(h)), math::sub(at(t.prev(h)), at(h)));
+            let (next, before) = (
+                math::sub(at(t.next(h)), at(h)),
+                math::sub(at(t.prev(h)), at(h)),
+            );
             normals.extend(unit(next, before));
             h = t.rotate(h);
             if h == NONE {
@@ -264,7 +273,9 @@ impl DisplacedPatch {
 
     /// Grids for normals and texture coordinates of the limit, lent while a part is diced.
     pub(super) fn take_spare(&mut self) -> [Box<Grid3>; 2] {
-        self.spare.take().unwrap_or_else(|| [Grid3::boxed(), Grid3::boxed()])
+        self.spare
+            .take()
+            .unwrap_or_else(|| [Grid3::boxed(), Grid3::boxed()])
     }
 
     pub(super) fn give_spare(&mut self, spare: [Box<Grid3>; 2]) {
@@ -294,7 +305,11 @@ impl DisplacedPatch {
 
     fn prepare_rims(&mut self, surface: &Surface, on: &Displaced) {
         let (whole, cut) = (surface.whole_quads(), surface.quads());
-        let uv_topology = if self.has_uvs { surface.uv_topology() } else { None };
+        let uv_topology = if self.has_uvs {
+            surface.uv_topology()
+        } else {
+            None
+        };
         let n = 1_usize << self.level;
         for (c, h) in surface.halves_of(self.face).enumerate() {
             let edge = whole.edge(h);
@@ -325,7 +340,11 @@ impl DisplacedPatch {
             let uv = |h: u32| surface.uv_limit(h).unwrap_or_default();
             let held = on.held_vertices.contains(&whole.vertex(h));
             // Faces of the bilinear scheme have their own normals.
-            let owner = if surface.linear { h } else { first(cut, cut.fan(h)) };
+            let owner = if surface.linear {
+                h
+            } else {
+                first(cut, cut.fan(h))
+            };
             let corner = &mut self.corners[c];
             corner.owner = owner;
             corner.direction = match held {
@@ -341,11 +360,20 @@ impl DisplacedPatch {
 
     /// Mitres along a crease, from the normals of both of its sides.
     fn crease_directions(&mut self, surface: &Surface, whole: &Topology, c: usize, h: u32) {
-        let (first, second) = (whole.edge_half(whole.edge(h)), whole.twin(whole.edge_half(whole.edge(h))));
+        let (first, second) = (
+            whole.edge_half(whole.edge(h)),
+            whole.twin(whole.edge_half(whole.edge(h))),
+        );
         let mut normals = [first, second].map(|half| {
-            self.other.prepare_side(surface, Kind::Points, whole.face_of(half), self.level, Sides::Normals);
+            self.other.prepare_side(
+                surface,
+                Kind::Points,
+                whole.face_of(half),
+                self.level,
+                Sides::Normals,
+            );
             let side = half - whole.face_halves(whole.face_of(half)).start;
-            self.other.side_samples(side as usize, self.level).1
+            self.other.side_samples(side as usize).1
         });
         let own = usize::from(first != h);
         normals[1 - own].reverse();
@@ -364,8 +392,9 @@ impl DisplacedPatch {
                 None => return,
             },
             false => {
-                self.other.prepare_side(surface, Kind::Uvs, face, self.level, Sides::Points);
-                self.other.side_samples(side, self.level).0
+                self.other
+                    .prepare_side(surface, Kind::Uvs, face, self.level, Sides::Points);
+                self.other.side_samples(side).0
             }
         };
         uvs.reverse();
@@ -382,7 +411,9 @@ impl DisplacedPatch {
             for k in 1..n {
                 let at = on_side(corners, c, k, n);
                 let inside = |i: usize| {
-                    at[i].checked_sub(part.start[i]).filter(|&x| x <= part.segments)
+                    at[i]
+                        .checked_sub(part.start[i])
+                        .filter(|&x| x <= part.segments)
                 };
                 if let (Some(i), Some(j)) = (inside(0), inside(1)) {
                     put(c, k << shift, [i as usize, j as usize]);
@@ -396,7 +427,9 @@ impl DisplacedPatch {
         let n = 1_u32 << part.level;
         for (c, at) in self.corners().iter().enumerate() {
             let inside = |i: usize| {
-                (at[i] * n).checked_sub(part.start[i]).filter(|&x| x <= part.segments)
+                (at[i] * n)
+                    .checked_sub(part.start[i])
+                    .filter(|&x| x <= part.segments)
             };
             if let (Some(i), Some(j)) = (inside(0), inside(1)) {
                 put(c, [i as usize, j as usize]);
@@ -492,7 +525,15 @@ impl DisplacedPatch {
         for j in 0..side {
             let row = (part, j as u32);
             let [own, own_uv] = &mut work.own;
-            let found = own.row::<2>(surface, Kind::Points, self.level, self.face, row, self.simd, &mut work.row);
+            let found = own.row::<2>(
+                surface,
+                Kind::Points,
+                self.level,
+                self.face,
+                row,
+                self.simd,
+                &mut work.row,
+            );
             if !found {
                 differences(&work.limits, j, &mut work.row);
             }
@@ -511,7 +552,10 @@ impl DisplacedPatch {
                     uv: two(work.uvs.at(k)),
                     uv_by: uv_by(&work.uv_row[i]),
                 };
-                normals.put(k, displacement.normal(&around, work.heights.values[k], work.heights.slopes.at(k)));
+                normals.put(
+                    k,
+                    displacement.normal(&around, work.heights.values[k], work.heights.slopes.at(k)),
+                );
             }
         }
         if surface.tables.is_some() {
@@ -537,12 +581,18 @@ impl DisplacedPatch {
         };
         self.on_rims(part, |c, k, at| {
             let rim = &self.rims[c];
-            if !rim.own && !rim.crease
+            if !rim.own
+                && !rim.crease
                 && let Some((place, position, normal, height)) = site(at)
             {
                 let slope = heights.slopes.at(place);
                 let uv = two(uvs.at(place));
-                let found = self.around(surface, &mut others[c], self.place_of(surface, rim.owner, n - k), (position, normal, uv));
+                let found = self.around(
+                    surface,
+                    &mut others[c],
+                    self.place_of(surface, rim.owner, n - k),
+                    (position, normal, uv),
+                );
                 if let Some(around) = found {
                     normals.put(place, displacement.normal(&around, height, slope));
                 }
@@ -553,7 +603,12 @@ impl DisplacedPatch {
             let scale = 1.0 / (1_u32 << part.level) as f32;
             let own_place = [0, 1].map(|k| (part.start[k] + at[k] as u32) as f32 * scale);
             if let Some((place, position, normal, height)) = site(at)
-                && let Some(around) = self.around(surface, own, (self.face, own_place), (position, normal, two(uv)))
+                && let Some(around) = self.around(
+                    surface,
+                    own,
+                    (self.face, own_place),
+                    (position, normal, two(uv)),
+                )
             {
                 let slope = displacement.slope_at(position, around.uv).1;
                 normals.put(place, displacement.normal(&around, height, slope));
@@ -580,7 +635,12 @@ impl DisplacedPatch {
         let corner = &self.corners[c];
         let place = self.place_of(surface, corner.owner, 0);
         let mut jets = <[Jets; 2]>::default();
-        let around = self.around(surface, &mut jets, place, (position, normal, two(corner.owner_uv)))?;
+        let around = self.around(
+            surface,
+            &mut jets,
+            place,
+            (position, normal, two(corner.owner_uv)),
+        )?;
         let slope = on.displacement.slope_at(position, around.uv).1;
         Some(on.displacement.normal(&around, height, slope))
     }
@@ -591,7 +651,10 @@ impl DisplacedPatch {
         let face = whole.face_of(half);
         let side = (half - whole.face_halves(face).start) as usize;
         let n = 1_u32 << self.level;
-        (face, on_side(self.corners(), side, k, n).map(|x| x as f32 / n as f32))
+        (
+            face,
+            on_side(self.corners(), side, k, n).map(|x| x as f32 / n as f32),
+        )
     }
 
     /// The limit surface around a point of another face.
@@ -636,7 +699,11 @@ impl DisplacedPatch {
             };
             for (i, k) in (first..first + size.cols).enumerate() {
                 let rim = &self.rims[c];
-                let corner = if k == 0 { Some(c) } else { (k == n).then_some(next) };
+                let corner = if k == 0 {
+                    Some(c)
+                } else {
+                    (k == n).then_some(next)
+                };
                 let (uv, direction) = match corner.map(|c| &self.corners[c]) {
                     Some(corner) => (Some(corner.uv), corner.direction),
                     None => {
@@ -665,22 +732,33 @@ impl DisplacedPatch {
                     continue;
                 }
                 let height = work.heights.values[i];
-                let corner = if k == 0 { Some(c) } else { (k == n).then_some(next) };
+                let corner = if k == 0 {
+                    Some(c)
+                } else {
+                    (k == n).then_some(next)
+                };
                 if let Some(corner) = corner {
-                    let found = self.corner_normal(surface, &on, corner, (position, normal), height);
+                    let found =
+                        self.corner_normal(surface, &on, corner, (position, normal), height);
                     normals[k] = found.unwrap_or(normal);
                     continue;
                 }
                 let rim = &self.rims[c];
                 let own = surface.halves_of(self.face).start + c as u32;
                 let at_owner = !rim.own && !rim.crease;
-                let (half, at) = if at_owner { (rim.owner, n - k) } else { (own, k) };
+                let (half, at) = if at_owner {
+                    (rim.owner, n - k)
+                } else {
+                    (own, k)
+                };
                 let uv = match (rim.crease, uvs.get(k)) {
                     (true, Some(&uv)) => two(uv),
                     _ => two(work.uvs.at(i)),
                 };
                 let place = self.place_of(surface, half, at as u32);
-                if let Some(around) = self.around(surface, &mut work.others[c], place, (position, normal, uv)) {
+                if let Some(around) =
+                    self.around(surface, &mut work.others[c], place, (position, normal, uv))
+                {
                     let slope = on.displacement.slope_at(position, uv).1;
                     normals[k] = on.displacement.normal(&around, height, slope);
                 }
@@ -691,26 +769,50 @@ impl DisplacedPatch {
 
     /// Leaves in `out` the vectors by which slopes of the map tilt normals, at the points of a part: limit points and normals, and texture
     /// coordinates.
-    pub(super) fn tilts(&mut self, surface: &Surface, part: Part, [points, normals, uvs]: [&Grid3; 3], out: [&mut Grid3; 2]) {
+    pub(super) fn tilts(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        out: [&mut Grid3; 2],
+    ) {
         let Some(on) = self.on.clone() else { return };
         let mut work = self.work.take().unwrap_or_default();
-        self.each_around(surface, part, [points, normals, uvs], &mut work, |k, around| {
-            let (height, _) = on.displacement.slope_at(around.position, around.uv);
-            let [a, b] = on.displacement.tilts(around, height);
-            out[0].put(k, a);
-            out[1].put(k, b);
-        });
+        self.each_around(
+            surface,
+            part,
+            [points, normals, uvs],
+            &mut work,
+            |k, around| {
+                let (height, _) = on.displacement.slope_at(around.position, around.uv);
+                let [a, b] = on.displacement.tilts(around, height);
+                out[0].put(k, a);
+                out[1].put(k, b);
+            },
+        );
         self.work = Some(work);
     }
 
     /// Leaves in `out` the derivatives of the limit surface by its texture coordinates.
-    pub(super) fn tangents(&mut self, surface: &Surface, part: Part, [points, normals, uvs]: [&Grid3; 3], out: [&mut Grid3; 2]) {
+    pub(super) fn tangents(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        out: [&mut Grid3; 2],
+    ) {
         let mut work = self.work.take().unwrap_or_default();
-        self.each_around(surface, part, [points, normals, uvs], &mut work, |k, around| {
-            let [a, b] = around.bend.by_uv(around.uv_by);
-            out[0].put(k, a);
-            out[1].put(k, b);
-        });
+        self.each_around(
+            surface,
+            part,
+            [points, normals, uvs],
+            &mut work,
+            |k, around| {
+                let [a, b] = around.bend.by_uv(around.uv_by);
+                out[0].put(k, a);
+                out[1].put(k, b);
+            },
+        );
         self.work = Some(work);
     }
 
@@ -728,7 +830,15 @@ impl DisplacedPatch {
         for j in 0..side {
             let row = (part, j as u32);
             let [own, own_uv] = &mut work.own;
-            if !own.row::<2>(surface, Kind::Points, self.level, self.face, row, self.simd, &mut work.row) {
+            if !own.row::<2>(
+                surface,
+                Kind::Points,
+                self.level,
+                self.face,
+                row,
+                self.simd,
+                &mut work.row,
+            ) {
                 differences(points, j, &mut work.row);
             }
             self.uv_row(surface, own_uv, row, uvs, &mut work.uv_row);
@@ -748,7 +858,14 @@ impl DisplacedPatch {
         }
     }
 
-    fn uv_row(&self, surface: &Surface, jets: &mut Jets, row: (Part, u32), uvs: &Grid3, out: &mut [Derivatives]) {
+    fn uv_row(
+        &self,
+        surface: &Surface,
+        jets: &mut Jets,
+        row: (Part, u32),
+        uvs: &Grid3,
+        out: &mut [Derivatives],
+    ) {
         if surface.has_linear_uvs() {
             let scale = 1.0 / (1_u32 << row.0.level) as f32;
             let t = (row.0.start[1] + row.1) as f32 * scale;
@@ -758,7 +875,15 @@ impl DisplacedPatch {
             }
             return;
         }
-        if !jets.row::<1>(surface, Kind::Uvs, self.level, self.face, row, self.simd, out) {
+        if !jets.row::<1>(
+            surface,
+            Kind::Uvs,
+            self.level,
+            self.face,
+            row,
+            self.simd,
+            out,
+        ) {
             differences(uvs, row.1 as usize, out);
         }
     }
@@ -800,7 +925,12 @@ pub(super) fn linear_at(c: &[[f32; 3]; 4], triangle: bool, [s, t]: [f32; 2]) -> 
     [at(0), at(1), 0.0]
 }
 
-fn linear_derivatives(surface: &Surface, face: u32, triangle: bool, [s, t]: [f32; 2]) -> Derivatives {
+fn linear_derivatives(
+    surface: &Surface,
+    face: u32,
+    triangle: bool,
+    [s, t]: [f32; 2],
+) -> Derivatives {
     let Some(c) = surface.linear_corners(face) else {
         return Derivatives::default();
     };

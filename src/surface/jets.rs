@@ -107,13 +107,19 @@ impl Jets {
         let place = |i: u32, k: usize| (part.start[k] + i) as f32 * scale;
         let below = surface.below(kind, level, None);
         let is_refined = |below: &dyn Descend| {
-            below.at(0).is_some_and(|root| root.first_child(face).is_some())
+            below
+                .at(0)
+                .is_some_and(|root| root.first_child(face).is_some())
         };
         if surface.triangles || below.as_ref().is_some_and(|b| is_refined(b)) {
             let t = place(j, 1);
             for (i, out) in (0..).zip(&mut *out) {
                 // Above the diagonal there is nothing.
-                let s = if surface.triangles { place(i, 0).max(t) } else { place(i, 0) };
+                let s = if surface.triangles {
+                    place(i, 0).max(t)
+                } else {
+                    place(i, 0)
+                };
                 match self.at::<ORDER>(surface, kind, level, face, [s, t]) {
                     Some(found) => *out = found,
                     None => return false,

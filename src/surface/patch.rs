@@ -1,12 +1,13 @@
 //! A quad of a surface with all of its channels, prepared for dicing.
 
 use super::displaced::{DisplacedPatch, linear_at};
-use super::{RefinedFans, Surface};
+use super::{PatchCage, RefinedFans, Surface};
 use crate::control::{Fans, Kind};
 use crate::dice::face::{FacePatch, Part, Sides};
 use crate::dice::table::TablePatch;
 use crate::dice::triangle::TrianglePatch;
 use crate::dice::{DiceFault, Target};
+use crate::patch::FacePatches;
 use crate::records::Grid3;
 use crate::simd::Level;
 use std::cell::{Cell, RefCell};
@@ -20,14 +21,16 @@ enum By {
     Quad,
     Triangle,
     Table,
+    Patches,
 }
 
-/// A face of one channel: quad or triangle, or of an interpolating scheme.
+/// A face of one channel: quad or triangle, of an interpolating scheme, or by patches in place of the limit surface.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ChannelPatch {
     quad: FacePatch,
     triangle: TrianglePatch,
     table: TablePatch,
+    patches: FacePatches,
     by: By,
 }
 
@@ -44,6 +47,7 @@ impl ChannelPatch {
         self.quad.simd = simd;
         self.triangle.simd = simd;
         self.table.simd = simd;
+        self.patches.simd = simd;
     }
 
     /// Prepares face `q` of a channel; false when the surface has no such channel.
@@ -90,11 +94,66 @@ impl ChannelPatch {
         true
     }
 
+    /// Prepares the patches of face `q`; false when the limit surface itself is wanted.
+    fn prepare_patches(&mut self, surface: &Surface, q: u32, level: u32, sides: Sides) -> bool {
+        match &surface.patches {
+            None => return false,
+            Some(PatchCage::Pn(cage)) => {
+                let split = surface.is_split();
+                let (t, points) = (&surface.mesh.base, &surface.cage.points);
+                self.patches.take(cage, t, points, q, split, level);
+            }
+            Some(PatchCage::Qas) => {
+                let wanted = Wanted {
+                    target: Target::Limit,
+                    level: 1,
+                    sides: sides.max(Sides::Points),
+                };
+                self.prepare(surface, Kind::Points, q, None, wanted);
+                let mut samples = self.patches.samples.take().unwrap_or_default();
+                let normals = (sides == Sides::Normals).then_some(&mut *samples.normals);
+                self.dice(0, 0, &mut samples.points, normals);
+                self.patches.samples = Some(samples);
+                self.patches.fit(surface.triangles, level);
+            }
+        }
+        self.by = By::Patches;
+        true
+    }
+
+    fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        match self.by {
+            By::Quad => self.quad.dice_part(part, points, normals),
+            By::Triangle => self.triangle.dice_part(part, points, normals),
+            By::Table => self.table.dice_part(part, points, normals),
+            By::Patches => self.patches.dice_part(part, points, normals),
+        }
+    }
+
+    fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
+        match self.by {
+            By::Quad => self.quad.side(c, points, normals),
+            By::Triangle => self.triangle.side(c, points, normals),
+            By::Table => self.table.side(c, points, normals),
+            By::Patches => self.patches.side(c, points, normals),
+        }
+    }
+
+    fn part_hull(&self, part: Part, out: impl FnMut([f32; 3])) {
+        match self.by {
+            By::Quad => self.quad.part_hull(part, out),
+            By::Triangle => self.triangle.part_hull(part, out),
+            By::Table => self.table.part_hull(part, out),
+            By::Patches => self.patches.part_hull(part, out),
+        }
+    }
+
     fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
         match self.by {
             By::Quad => self.quad.dice(bu, bv, points, normals),
             By::Triangle => self.triangle.dice(bu, bv, points, normals),
             By::Table => self.table.dice(bu, bv, points, normals),
+            By::Patches => self.patches.dice(bu, bv, points, normals),
         }
     }
 
@@ -115,53 +174,11 @@ impl ChannelPatch {
         self.prepare(surface, kind, q, None, wanted);
     }
 
-    /// Points and normals along side `c`, ends included, at the level that was prepared, which is `level`.
-    pub(super) fn side_samples(&self, c: usize, level: u32) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    /// Points and normals along side `c`, ends included, at the level that was prepared.
+    pub(super) fn side_samples(&self, c: usize) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
         let (mut points, mut normals) = (Vec::new(), Vec::new());
-        if matches!(self.by, By::Quad) {
-            self.quad.side(c, &mut points, &mut normals);
-            return (points, normals);
-        }
-        let n = 1_u32 << level;
-        let corners: &[[u32; 2]] = match self.triangular() {
-            true => &[[0, 0], [1, 0], [1, 1]],
-            false => &[[0, 0], [1, 0], [1, 1], [0, 1]],
-        };
-        let (a, b) = (corners[c], corners[(c + 1) % corners.len()]);
-        let (mut grid, mut unit) = (Grid3::boxed(), Grid3::boxed());
-        let mut ready = None;
-        let m = n.min(32);
-        for k in 0..=n {
-            let at = [0, 1].map(|i| a[i] * (n - k) + b[i] * k);
-            let block = at.map(|x| (x / m).min(n / m - 1));
-            if ready != Some(block) {
-                self.dice(block[0], block[1], &mut grid, Some(&mut unit));
-                ready = Some(block);
-            }
-            let [i, j] = [0, 1].map(|i| (at[i] - block[i] * m) as usize);
-            points.push(grid.get(i, j));
-            normals.push(unit.get(i, j));
-        }
+        self.side(c, &mut points, &mut normals);
         (points, normals)
-    }
-
-    fn triangular(&self) -> bool {
-        match self.by {
-            By::Quad => false,
-            By::Triangle => true,
-            By::Table => self.table.is_triangular(),
-        }
-    }
-
-    fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
-        match self.by {
-            By::Quad => self.quad.dice_part(part, points, normals),
-            // Whole blocks only.
-            _ => {
-                let [bu, bv] = part.start.map(|k| k / part.segments.max(1));
-                self.dice(bu, bv, points, normals);
-            }
-        }
     }
 
     fn hull(&self, out: impl FnMut([f32; 3])) {
@@ -169,6 +186,7 @@ impl ChannelPatch {
             By::Quad => self.quad.hull(out),
             By::Triangle => self.triangle.hull(out),
             By::Table => self.table.hull(out),
+            By::Patches => self.patches.hull(out),
         }
     }
 
@@ -177,6 +195,7 @@ impl ChannelPatch {
             By::Quad => self.quad.block_hull(bu, bv, out),
             By::Triangle => self.triangle.block_hull(bu, bv, out),
             By::Table => self.table.block_hull(bu, bv, out),
+            By::Patches => self.patches.block_hull(bu, bv, out),
         }
     }
 }
@@ -252,6 +271,9 @@ impl QuadPatch {
         self.uv_ready = false;
         self.color_ready = false;
         self.triangle = surface.triangles;
+        if refined.is_none() && self.points.prepare_patches(surface, q, level, sides) {
+            return;
+        }
         let target = match refined {
             Some(_) if !surface.linear => Target::Refined,
             _ => Target::Limit,
@@ -339,7 +361,12 @@ impl QuadPatch {
         normals: Option<&mut Grid3>,
     ) {
         if self.is_displaced {
-            return self.dice_displaced(surface, Part::block(self.level, [bu, bv]), points, normals);
+            return self.dice_displaced(
+                surface,
+                Part::block(self.level, [bu, bv]),
+                points,
+                normals,
+            );
         }
         self.points.dice(bu, bv, points, normals);
     }
@@ -425,7 +452,9 @@ impl QuadPatch {
         let [points, normals, uvs] = &mut grids;
         self.points.dice_part(part, points, Some(normals));
         self.dice_part_uvs(part, uvs);
-        let by_pixel = surface.displacement().is_some_and(|d| d.pixel_map().is_some());
+        let by_pixel = surface
+            .displacement()
+            .is_some_and(|d| d.pixel_map().is_some());
         let out = [first, second];
         match by_pixel {
             true => patch.tilts(surface, part, [points, normals, uvs], out),
@@ -444,7 +473,12 @@ impl QuadPatch {
 
     /// Colours of a part.
     pub(crate) fn dice_part_colors(&self, part: Part, out: &mut Grid3) {
-        self.colors.quad.dice_part(part, out, None);
+        self.colors.dice_part(part, out, None);
+    }
+
+    /// Point and unit normal at (`u`, `v`) of the patches that were prepared.
+    pub(super) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
+        self.points.patches.at(u, v)
     }
 
     /// Samples of side `c` of a quad, at the level that was prepared.
@@ -455,7 +489,7 @@ impl QuadPatch {
         points: &mut Vec<[f32; 3]>,
         normals: &mut Vec<[f32; 3]>,
     ) {
-        self.points.quad.side(c, points, normals);
+        self.points.side(c, points, normals);
         if !self.is_displaced {
             return;
         }
@@ -466,7 +500,7 @@ impl QuadPatch {
         let uvs = match (displaced.reads_uvs(), &self.linear) {
             (false, _) => Vec::new(),
             (true, Some(corners)) => displaced.linear_side(corners, c),
-            (true, None) => self.uvs.side_samples(c, self.level).0,
+            (true, None) => self.uvs.side_samples(c).0,
         };
         displaced.displace_side(surface, c, points, normals, &uvs);
     }
@@ -474,7 +508,7 @@ impl QuadPatch {
     /// Points whose convex hull holds a part.
     pub(crate) fn part_hull(&self, part: Part, mut out: impl FnMut([f32; 3])) {
         let mut hull = Hull::new(self.reach);
-        self.points.quad.part_hull(part, |p| hull.add(p, &mut out));
+        self.points.part_hull(part, |p| hull.add(p, &mut out));
         hull.finish(&mut out);
     }
 
@@ -521,7 +555,13 @@ impl Hull {
             return;
         }
         for c in 0..8 {
-            out([0, 1, 2].map(|k| if c >> k & 1 == 0 { self.low[k] } else { self.high[k] }));
+            out([0, 1, 2].map(|k| {
+                if c >> k & 1 == 0 {
+                    self.low[k]
+                } else {
+                    self.high[k]
+                }
+            }));
         }
     }
 }

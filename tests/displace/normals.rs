@@ -56,7 +56,11 @@ fn worst(surface: &Surface, level: u32, stride: usize) -> f64 {
 fn normals_are_those_of_the_displaced_surface() {
     // Slopes up to about 1, heights up to a third of the radius of curvature.
     for (what, displacement, stride) in [
-        ("ripples", noise("ripples:frequency=0.5,x=0.3,y=0.2").scaled(0.2), 2),
+        (
+            "ripples",
+            noise("ripples:frequency=0.5,x=0.3,y=0.2").scaled(0.2),
+            2,
+        ),
         ("perlin", noise("perlin:frequency=0.9").scaled(0.25), 1),
     ] {
         let mut surface = torus(12, 8, false, &SurfaceOptions::default());

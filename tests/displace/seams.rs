@@ -17,7 +17,12 @@ fn torn(plain: &Surface, displaced: &Surface, level: u32) -> [usize; 3] {
     for q in 0..plain.quads().face_count() as u32 {
         let (a, b) = (plain.dice(q, level), displaced.dice(q, level));
         for k in 0..a.points.len() {
-            assert!(b.points[k].iter().chain(&b.normals[k]).all(|x| x.is_finite()));
+            assert!(
+                b.points[k]
+                    .iter()
+                    .chain(&b.normals[k])
+                    .all(|x| x.is_finite())
+            );
             let (p, n) = (bits(a.points[k]), bits(a.normals[k]));
             let place = places.entry(p).or_insert((q, bits(b.points[k])));
             shared += usize::from(place.0 != q);
@@ -31,11 +36,16 @@ fn torn(plain: &Surface, displaced: &Surface, level: u32) -> [usize; 3] {
 
 fn displacements() -> Vec<(&'static str, Displacement)> {
     vec![
-        ("map", Displacement::map(noise_map(32, 3)).scaled(0.4).biased(-0.1)),
+        (
+            "map",
+            Displacement::map(noise_map(32, 3)).scaled(0.4).biased(-0.1),
+        ),
         ("fbm", noise("fbm:frequency=2").scaled(0.3)),
         (
             "vector",
-            Displacement::vector(0.5, |s| [s.uv[0].sin() * 0.2, s.normal[0] * 0.1, s.position[1] * 0.1]),
+            Displacement::vector(0.5, |s| {
+                [s.uv[0].sin() * 0.2, s.normal[0] * 0.1, s.position[1] * 0.1]
+            }),
         ),
     ]
 }
@@ -51,10 +61,14 @@ fn surfaces() -> Vec<(&'static str, Surface)> {
     }
     out.push(("creased", torus(8, 6, true, &by(Scheme::CatmullClark))));
     for (name, scheme) in [("loop", Scheme::Loop), ("butterfly", Scheme::Butterfly)] {
-        let cage = torus(8, 6, false, &SurfaceOptions::default()).cage().triangulated();
+        let cage = torus(8, 6, false, &SurfaceOptions::default())
+            .cage()
+            .triangulated();
         out.push((name, Surface::new(cage, &by(scheme))));
     }
-    let cage = torus(8, 6, true, &SurfaceOptions::default()).cage().triangulated();
+    let cage = torus(8, 6, true, &SurfaceOptions::default())
+        .cage()
+        .triangulated();
     out.push(("creased loop", Surface::new(cage, &by(Scheme::Loop))));
     for asset in ["creature", "part", "octahedron", "part_creased"] {
         let scene = common::load(&common::assets().join(format!("{asset}.obj")));
@@ -72,10 +86,16 @@ fn shared_points_and_normals_have_one_owner() {
             for level in [0, 1, 3] {
                 let [shared, cracks, kinks] = torn(&plain, &displaced, level);
                 assert!(shared > 0, "{name}");
-                assert_eq!(cracks, 0, "{name} {what} level {level}: {cracks} of {shared} torn");
+                assert_eq!(
+                    cracks, 0,
+                    "{name} {what} level {level}: {cracks} of {shared} torn"
+                );
                 // Interpolating surfaces have normals from differences of each face.
                 let exact = !plain.scheme().is_interpolating();
-                assert!(kinks == 0 || !exact, "{name} {what} level {level}: {kinks} normals of {shared}");
+                assert!(
+                    kinks == 0 || !exact,
+                    "{name} {what} level {level}: {kinks} normals of {shared}"
+                );
             }
         }
     }

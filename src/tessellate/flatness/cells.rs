@@ -2,12 +2,15 @@
 
 use super::screen::{Excess, Metric};
 use crate::records::Grid3;
+use crate::tessellate::quadtree::Shape;
 
 /// Samples of a square of a face, `2^log` and one more along each side.
 pub(super) struct Samples<'a> {
     pub(super) points: &'a Grid3,
     pub(super) normals: &'a Grid3,
     pub(super) log: u32,
+    /// Of a triangle, only what is not above the diagonal counts.
+    pub(super) shape: Shape,
     /// Whether each corner of the square is one of the face's.
     pub(super) corners: [bool; 4],
 }
@@ -36,17 +39,21 @@ impl Samples<'_> {
         let p = corners.map(|(a, b)| self.points.get(i + a, j + b));
         let n = corners.map(|(a, b)| self.normals.get(i + a, j + b));
         let between = (step / 4).max(1);
+        let half = self.shape == Shape::Triangle && x == y;
         let bent = !metric.is_dot(&p)
             || !metric.is_dot(&[p[0], self.points.get(i + step / 2, j + step / 2)]);
         let samples = || {
             let lines = (0..=step).step_by(between);
-            lines.flat_map(move |b| (0..=step).step_by(between).map(move |a| (a, b)))
+            lines.flat_map(move |b| {
+                let from = if half { b } else { 0 };
+                (from..=step).step_by(between).map(move |a| (a, b))
+            })
         };
         let depths = samples().map(|(a, b)| metric.depth(self.points.get(i + a, j + b)));
         let nearest = depths.fold(f32::INFINITY, f32::min);
         let mut worst = 0.0_f32;
         for b in (0..=step).step_by(between) {
-            for a in (0..=step).step_by(between) {
+            for a in (if half { b } else { 0 }..=step).step_by(between) {
                 if (a == 0 || a == step) && (b == 0 || b == step) {
                     continue;
                 }

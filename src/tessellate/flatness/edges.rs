@@ -4,7 +4,6 @@
 //! but for the place of its extremes; c-shaped and s-shaped curves are seen alike.
 
 use super::screen::{Excess, Metric};
-use crate::dice::MAX_LEVEL;
 use crate::dice::face::Sides;
 use crate::limits::{LimitError, Limits};
 use crate::math;
@@ -12,13 +11,13 @@ use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
 use crate::tessellate::CHUNK;
 use crate::tessellate::blocks::{Needs, runs_back};
-use crate::tessellate::quadtree::ask;
+use crate::tessellate::quadtree::{Shape, ask};
 use crate::tessellate::tree::{Forest, Splits};
 use crate::topology::{NONE, Topology};
 use rayon::prelude::*;
 
-/// Levels that edges are sampled at, one after the other while they last.
-const LEVELS: [u32; 3] = [4, 7, MAX_LEVEL];
+/// Levels that edges are sampled at, one after the other while they last; the last is the deepest that there is.
+const LEVELS: [u32; 3] = [4, 7, 10];
 
 /// Samples of an edge, in its own direction.
 #[derive(Default)]
@@ -69,17 +68,19 @@ fn face(
     out: &mut Vec<(u32, Splits)>,
 ) {
     let quads = surface.whole_quads();
+    let own = quads.face_halves(q);
     // Edges that are not drawn need no tree.
-    let mut open = [0, 1, 2, 3].map(|c| {
-        let h = 4 * q + c;
-        let mut faces = halves(quads, h).map(|h| h / 4);
-        quads.edge_half(quads.edge(h)) == h && faces.any(|q| needs.drawn[q as usize])
-    });
+    let mut open = [false; 4];
+    for (open, h) in open.iter_mut().zip(own.clone()) {
+        let mut faces = halves(quads, h).map(|h| quads.face_of(h));
+        *open = quads.edge_half(quads.edge(h)) == h && faces.any(|q| needs.drawn[q as usize]);
+    }
     let mut splits = [const { None::<Splits> }; 4];
     for level in LEVELS {
         if open == [false; 4] {
             break;
         }
+        let level = metric.reach.prepared(level);
         patch.prepare_points(surface, q, level, None, Sides::Normals);
         for c in 0..4 {
             if open[c] {
@@ -90,11 +91,19 @@ fn face(
             }
         }
     }
-    for (h, splits) in (4 * q..).zip(splits) {
+    let shape = Shape::of(surface);
+    for (h, splits) in own.zip(splits) {
         let Some(mut splits) = splits else { continue };
         for h in halves(quads, h) {
-            let nodes = needs.nodes(h / 4);
-            ask(nodes, h as usize % 4, runs_back(quads, h), &mut splits);
+            let face = quads.face_of(h);
+            let c = (h - quads.face_halves(face).start) as usize;
+            ask(
+                needs.nodes(face),
+                shape,
+                c,
+                runs_back(quads, h),
+                &mut splits,
+            );
         }
         if splits.depth > 0 {
             out.push((quads.edge(h), splits));
@@ -118,7 +127,7 @@ impl Line {
         for depth in 0..metric.max_level {
             let step = 1_usize << (level - depth);
             // Half a segment's samples tell enough only where there are no others to come.
-            if step < 4 && level < MAX_LEVEL {
+            if step < 4 && level < metric.reach.level {
                 more = !nodes.is_empty();
                 break;
             }

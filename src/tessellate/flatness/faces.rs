@@ -2,7 +2,6 @@
 
 use super::cells::Samples;
 use super::screen::Metric;
-use crate::dice::MAX_LEVEL;
 use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
 use crate::records::Grid3;
@@ -10,7 +9,7 @@ use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
 use crate::tessellate::CHUNK;
 use crate::tessellate::blocks::{Needs, Part};
-use crate::tessellate::quadtree::{MAX_LOG, Quadtree};
+use crate::tessellate::quadtree::{MAX_LOG, Quadtree, Shape};
 use crate::topology::NONE;
 use rayon::prelude::*;
 
@@ -40,7 +39,7 @@ pub(super) fn needs(
             for (i, drawn) in drawn.iter_mut().enumerate() {
                 let q = (k * CHUNK + i) as u32;
                 hull.clear();
-                patch.prepare_points(surface, q, MAX_LEVEL, None, Sides::Hull);
+                patch.prepare_points(surface, q, metric.reach.level, None, Sides::Hull);
                 patch.hull(|p| hull.push(p));
                 *drawn = is_drawn(q, hull);
             }
@@ -50,9 +49,9 @@ pub(super) fn needs(
     // An edge asks both of its faces, whichever is drawn: what is outside of the picture must not change what is inside.
     let near = |q: usize| {
         drawn[q]
-            || (4 * q..4 * q + 4).any(|h| {
-                let twin = quads.twin(h as u32);
-                twin != NONE && drawn[twin as usize / 4]
+            || quads.face_halves(q as u32).any(|h| {
+                let twin = quads.twin(h);
+                twin != NONE && drawn[quads.face_of(twin) as usize]
             })
     };
     let parts = (0..faces.div_ceil(CHUNK))
@@ -106,6 +105,12 @@ impl Levels {
         u32::from(self.0[Self::index(depth, x, y)])
     }
 
+    /// Children of square (`x`, `y`) that are not void.
+    fn children(s: Shape, x: u32, y: u32) -> impl Iterator<Item = [u32; 2]> {
+        let all = (0..4).map(move |k| [2 * x + (k & 1), 2 * y + (k >> 1)]);
+        all.filter(move |[x, y]| s == Shape::Square || y <= x)
+    }
+
     /// Finds what a square of the samples needs; `cap` is what it may have.
     fn find(
         &mut self,
@@ -120,13 +125,8 @@ impl Levels {
             DEEPER
         } else {
             let mut need = 0;
-            for k in 0..4 {
-                need = need.max(self.find(
-                    s,
-                    metric,
-                    cap,
-                    [depth + 1, 2 * x + (k & 1), 2 * y + (k >> 1)],
-                ));
+            for [x, y] in Self::children(s.shape, x, y) {
+                need = need.max(self.find(s, metric, cap, [depth + 1, x, y]));
             }
             need
         };
@@ -138,14 +138,20 @@ impl Levels {
         need
     }
 
+    /// Micro-quads of a square as one block.
+    fn whole(&self, s: Shape, depth: u32, x: u32, y: u32) -> u32 {
+        let quads = 1 << (2 * (self.get(depth, x, y) - depth));
+        let half = s == Shape::Triangle && x == y;
+        (if half { quads / 2 } else { quads }) + OVERHEAD
+    }
+
     /// Micro-quads of the cheapest way to cut a square into blocks.
-    fn cost(&self, depth: u32, x: u32, y: u32) -> u32 {
-        let need = self.get(depth, x, y);
-        let whole = (1 << (2 * (need - depth))) + OVERHEAD;
-        if need < depth + 2 || depth >= RESAMPLED {
+    fn cost(&self, s: Shape, depth: u32, x: u32, y: u32) -> u32 {
+        let whole = self.whole(s, depth, x, y);
+        if self.get(depth, x, y) < depth + 2 || depth >= RESAMPLED {
             return whole;
         }
-        let parts = (0..4).map(|k| self.cost(depth + 1, 2 * x + (k & 1), 2 * y + (k >> 1)));
+        let parts = Self::children(s, x, y).map(|[x, y]| self.cost(s, depth + 1, x, y));
         whole.min(parts.sum())
     }
 }
@@ -159,7 +165,7 @@ impl<'a> Worker<'a> {
             prepared: 0,
             points: Grid3::boxed(),
             normals: Grid3::boxed(),
-            tree: Quadtree::new(),
+            tree: Quadtree::new(Shape::of(surface), metric.reach.squares),
         }
     }
 
@@ -173,24 +179,30 @@ impl<'a> Worker<'a> {
     /// Samples leaf `node` by `2^log` segments and cuts it up as far as it needs.
     fn grow(&mut self, q: u32, node: usize, log: u32) {
         let (depth, place) = (self.tree.nodes[node].depth(), self.tree.nodes[node].place());
-        let log = log.min(MAX_LEVEL - depth);
+        let deepest = self.metric.reach.level;
+        let log = log.min(deepest - depth);
         let level = depth + log;
         if self.prepared < level {
+            self.prepared = self.metric.reach.prepared(level);
             self.patch
-                .prepare_points(self.surface, q, level, None, Sides::Normals);
-            self.prepared = level;
+                .prepare_points(self.surface, q, self.prepared, None, Sides::Normals);
         }
         let part = Square {
             level,
             start: place.map(|k| k << log),
             segments: 1 << log,
         };
-        self.patch
-            .dice_part(self.surface, part, &mut self.points, Some(&mut self.normals));
+        self.patch.dice_part(
+            self.surface,
+            part,
+            &mut self.points,
+            Some(&mut self.normals),
+        );
         let samples = Samples {
             points: &self.points,
             normals: &self.normals,
             log,
+            shape: self.tree.nodes[node].shape(self.tree.face),
             corners: {
                 let last = (1 << depth) - 1;
                 [[0, 0], [last, 0], [last, last], [0, last]].map(|corner| corner == place)
@@ -200,17 +212,19 @@ impl<'a> Worker<'a> {
         let mut needs = Levels::default();
         let need = needs.find(&samples, self.metric, cap, [0, 0, 0]);
         // A few samples tell enough of what needs next to nothing.
-        if log < MAX_LOG && need + 1 > log && depth + log < MAX_LEVEL {
+        if log < MAX_LOG && need + 1 > log && depth + log < deepest {
             return self.grow(q, node, MAX_LOG);
         }
-        self.cut(q, node, &needs, [0, 0, 0]);
+        self.cut(q, node, &needs, samples.shape, [0, 0, 0]);
     }
 
-    fn cut(&mut self, q: u32, node: usize, needs: &Levels, [depth, x, y]: [u32; 3]) {
+    /// Cuts leaf `node`, square (`x`, `y`) at `depth` of samples over a square of shape `s`, into blocks.
+    fn cut(&mut self, q: u32, node: usize, needs: &Levels, s: Shape, [depth, x, y]: [u32; 3]) {
         let need = needs.get(depth, x, y);
-        let whole = (1 << (2 * (need - depth))) + OVERHEAD;
-        if need < DEEPER && needs.cost(depth, x, y) >= whole {
-            let own = self.tree.nodes[node].depth();
+        let own = self.tree.nodes[node].depth();
+        let smallest = own >= self.tree.deepest;
+        if need < DEEPER && (smallest || needs.cost(s, depth, x, y) >= needs.whole(s, depth, x, y))
+        {
             self.tree.set_need(node, own + (need - depth));
             return;
         }
@@ -218,9 +232,9 @@ impl<'a> Worker<'a> {
             return self.grow(q, node, MAX_LOG);
         }
         let first = self.tree.split(node);
-        for k in 0..4 {
-            let child = [depth + 1, 2 * x + (k & 1), 2 * y + (k >> 1)];
-            self.cut(q, first + k as usize, needs, child);
+        for [cx, cy] in Levels::children(s, x, y) {
+            let k = (cx & 1) + 2 * (cy & 1);
+            self.cut(q, first + k as usize, needs, s, [depth + 1, cx, cy]);
         }
     }
 }

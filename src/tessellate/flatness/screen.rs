@@ -3,6 +3,7 @@
 use super::Flatness;
 use crate::camera::View;
 use crate::math;
+use crate::tessellate::Reach;
 
 /// What the tests leave of the tolerance to what they do not see: samples are a quarter of a cell apart, and a moved point stretches a triangle.
 const SHARE: f32 = 0.65;
@@ -18,13 +19,14 @@ pub(super) struct Metric<'a> {
     /// Square of the largest chord between unit normals.
     chord: f32,
     pub(super) max_level: u32,
+    pub(super) reach: Reach,
 }
 
 /// How far something is from what is allowed: above 1 it is too far.
 pub(super) type Excess = f32;
 
 impl<'a> Metric<'a> {
-    pub(super) fn new(view: &'a View, flatness: &Flatness) -> Self {
+    pub(super) fn new(view: &'a View, flatness: &Flatness, reach: Reach) -> Self {
         let pixels = (flatness.pixels * SHARE).max(1e-3);
         let chord =
             2.0 * libm::sinf(flatness.degrees.clamp(0.01, 180.0).to_radians() * 0.5 * NORMAL_SHARE);
@@ -32,7 +34,8 @@ impl<'a> Metric<'a> {
             view,
             pixels: pixels * pixels,
             chord: chord * chord,
-            max_level: flatness.max_level.min(crate::dice::MAX_LEVEL),
+            max_level: flatness.max_level.min(reach.level),
+            reach,
         }
     }
 
