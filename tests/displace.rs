@@ -3,8 +3,13 @@
 mod common;
 #[path = "common/coverage.rs"]
 mod coverage;
+#[path = "displace/closed.rs"]
+mod closed;
 #[path = "displace/normals.rs"]
 mod normals;
+#[cfg(feature = "cli")]
+#[path = "displace/cli.rs"]
+mod cli;
 #[path = "displace/seams.rs"]
 mod seams;
 

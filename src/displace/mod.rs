@@ -15,6 +15,7 @@
 //! * **Normal**: from the derivatives of the owner's face, and so the same from all faces of a smooth edge. Each side of a crease has its own.
 //! * Where more than two faces share an edge, and at vertices where the surface hangs together by a point, nothing moves.
 
+mod bounds;
 mod function;
 mod map;
 mod noise;

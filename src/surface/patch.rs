@@ -433,6 +433,25 @@ impl QuadPatch {
         self.points.dice_part(part, points, normals);
     }
 
+    /// Bound of what the diced samples of a part do not show of its displacement, in model units; 0 without.
+    pub(crate) fn hidden(&self, surface: &Surface, part: Part, points: &Grid3) -> f32 {
+        let Some(displacement) = surface.displacement() else {
+            return 0.0;
+        };
+        let mut kept = self.displaced.borrow_mut();
+        let Some(patch) = kept.as_deref_mut() else {
+            return 0.0;
+        };
+        let mut spare = patch.take_spare();
+        let [uvs, _] = &mut spare;
+        if patch.reads_uvs() {
+            self.dice_part_uvs(part, uvs);
+        }
+        let hidden = displacement.hidden(part.segments as usize + 1, points, uvs);
+        patch.give_spare(spare);
+        hidden
+    }
+
     /// For relief, what of a part's limit surface tilts normals: under slopes by pixel the vectors for the slopes of the displacement's map,
     /// else the derivatives by the texture coordinates, which must be prepared.
     pub(crate) fn dice_tangents(

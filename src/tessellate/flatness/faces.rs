@@ -4,7 +4,7 @@ use super::cells::Samples;
 use super::screen::Metric;
 use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
-use crate::records::Grid3;
+use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
 use crate::tessellate::CHUNK;
@@ -212,10 +212,33 @@ impl<'a> Worker<'a> {
         let mut needs = Levels::default();
         let need = needs.find(&samples, self.metric, cap, [0, 0, 0]);
         // A few samples tell enough of what needs next to nothing.
-        if log < MAX_LOG && need + 1 > log && depth + log < deepest {
+        let hides = self.hides(part);
+        if log < MAX_LOG && (need + 1 > log || hides) && depth + log < deepest {
             return self.grow(q, node, MAX_LOG);
         }
+        if hides && level < deepest.min(self.metric.max_level) && depth < self.tree.deepest {
+            let first = self.tree.split(node);
+            for [x, y] in Levels::children(samples.shape, 0, 0) {
+                self.grow(q, first + (x + 2 * y) as usize, MAX_LOG);
+            }
+            return;
+        }
         self.cut(q, node, &needs, samples.shape, [0, 0, 0]);
+    }
+
+    /// Whether the displaced surface may leave its samples unseen by more than is allowed.
+    fn hides(&self, part: Square) -> bool {
+        let height = self.patch.hidden(self.surface, part, &self.points);
+        if height == 0.0 {
+            return false;
+        }
+        let side = part.segments as usize + 1;
+        let size = BlockSize {
+            cols: side,
+            rows: side,
+        };
+        let depths = size.indices().map(|k| self.metric.depth(self.points.at(k)));
+        self.metric.height(height, depths.fold(f32::INFINITY, f32::min)) > 1.0
     }
 
     /// Cuts leaf `node`, square (`x`, `y`) at `depth` of samples over a square of shape `s`, into blocks.

@@ -80,6 +80,15 @@ impl<'a> Metric<'a> {
         self.square(p, q) * (closer * closer) / self.pixels
     }
 
+    /// Of a height that may stand anywhere on a surface whose nearest point is at depth `nearest`.
+    pub(super) fn height(&self, height: f32, nearest: f32) -> Excess {
+        let pixels = match self.view.projection.ortho {
+            true => height * self.view.scale,
+            false => height * self.view.scale / nearest,
+        };
+        pixels * pixels / self.pixels
+    }
+
     /// Of a unit normal of the surface, and the sum of its triangle's.
     #[inline(always)]
     pub(super) fn normal(&self, n: [f32; 3], sum: [f32; 3]) -> Excess {
