@@ -7,7 +7,7 @@ use crate::mesh::obj::{self, ReadError, ReadOptions};
 use crate::mesh::resolver::Resolver;
 use crate::mesh::{Cage, Material, NONE};
 use crate::patch::PatchKind;
-use crate::shade::SurfaceMaterial;
+use crate::shade::{Relief, SurfaceMaterial};
 use crate::surface::{Surface, SurfaceOptions};
 use crate::texture::{Meaning, Texture};
 use crate::topology::TopologyWarning;
@@ -214,12 +214,32 @@ impl Loader {
             name.as_ref()
                 .and_then(|n| maps.get(&(n.clone(), meaning == Meaning::Data)).copied())
         };
+        let first = self.scene.materials.len();
+        let reliefs: Vec<Option<Relief>> = (surface.cage().materials.iter())
+            .map(|m| {
+                let normals = map(&m.normal_map, Meaning::Data).map(Relief::Normals);
+                normals.or_else(|| {
+                    let map = map(&m.bump_map, Meaning::Data)?;
+                    // Many programs write normal maps as bump maps.
+                    Some(match self.scene.textures[map as usize].is_gray() {
+                        true => Relief::Heights {
+                            map,
+                            strength: Relief::BUMP,
+                        },
+                        false => Relief::Normals(map),
+                    })
+                })
+            })
+            .collect();
         self.scene.add(surface, |m| {
             (
                 map(&m.diffuse_map, Meaning::Color),
                 map(&m.opacity_map, Meaning::Data),
             )
         });
+        for (material, relief) in self.scene.materials[first..].iter_mut().zip(reliefs) {
+            material.relief = relief;
+        }
     }
 
     /// Loads every map of the used materials once.
@@ -235,6 +255,8 @@ impl Loader {
             for (map, meaning) in [
                 (&material.diffuse_map, Meaning::Color),
                 (&material.opacity_map, Meaning::Data),
+                (&material.normal_map, Meaning::Data),
+                (&material.bump_map, Meaning::Data),
             ] {
                 let Some(map) = map else { continue };
                 let key = (map.clone(), meaning == Meaning::Data);

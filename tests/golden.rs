@@ -5,6 +5,8 @@
 //! picture, figures, and a page to look at them under `target/golden/`.
 
 mod common;
+#[path = "golden/displaced.rs"]
+mod displaced;
 
 use earmark::compare::{compare, difference};
 use earmark::film::Image;
@@ -149,6 +151,23 @@ fn goldens() -> Vec<Golden> {
         1,
         camera,
     );
+    for (asset, level, what) in displaced::ALL {
+        add(
+            asset,
+            level,
+            what,
+            Drawing::Limit,
+            ShadeMode::Lit,
+            4,
+            camera,
+        );
+    }
+    // What follows a blank is a name of its own.
+    for g in &mut out {
+        if let Some((_, name)) = g.name.split_once(' ') {
+            g.name = name.to_owned();
+        }
+    }
     for (asset, scheme, level) in [
         ("part_creased", Scheme::CatmullClark, 3),
         ("part_creased", Scheme::Bilinear, 2),
@@ -250,7 +269,8 @@ fn draw(g: &Golden, simd: Level) -> Image {
         let path = common::assets().join(format!("{}.obj", g.asset));
         loader.add_file(&path).unwrap();
     }
-    let scene = loader.finish().0;
+    let mut scene = loader.finish().0;
+    displaced::edit(&g.name, &mut scene);
     let mut renderer = Renderer::new(256, 256);
     renderer.size.samples = g.samples;
     renderer.refinement = Refinement::Uniform(g.level);

@@ -3,6 +3,7 @@
 mod bench;
 mod bench_evaluate;
 mod bench_patches;
+mod displace;
 mod exit;
 mod flags;
 mod info;
