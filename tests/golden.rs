@@ -13,6 +13,7 @@ use earmark::load::{LoadOptions, Loader};
 use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::simd::Level;
+use earmark::tessellate::{DepthTags, Pattern};
 use earmark::{Camera, Renderer, SurfaceOptions, film};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -27,6 +28,8 @@ struct Golden {
     mode: ShadeMode,
     samples: u32,
     camera: Camera,
+    /// Depth tags in place of the level, and whether vertices have random ones.
+    tags: Option<(DepthTags, bool)>,
 }
 
 /// Scheme and level are part of the name.
@@ -43,6 +46,7 @@ fn goldens() -> Vec<Golden> {
             mode,
             samples,
             camera,
+            tags: None,
         });
     };
     let camera = Camera::default();
@@ -165,7 +169,53 @@ fn goldens() -> Vec<Golden> {
             mode: ShadeMode::Lit,
             samples: 4,
             camera,
+            tags: None,
         });
+    }
+    out.extend(tagged());
+    out
+}
+
+/// Topics of their own: depth tags and refinement patterns.
+fn tagged() -> Vec<Golden> {
+    let by = |pattern| DepthTags {
+        pattern: Some(pattern),
+        ..DepthTags::GIVEN
+    };
+    let topics = [
+        ("tags_distance", DepthTags::by_distance(), false),
+        ("tags_random", DepthTags::GIVEN, true),
+        ("pattern_split", by(Pattern::Split), true),
+        ("pattern_equilateral", by(Pattern::Equilateral), true),
+    ];
+    let mut out = Vec::new();
+    for (topic, tags, random) in topics {
+        for (asset, scheme) in [
+            ("creature", Scheme::CatmullClark),
+            ("octahedron", Scheme::Loop),
+        ] {
+            for (what, mode) in [
+                ("", ShadeMode::Lit),
+                ("_flat", ShadeMode::Flat),
+                ("_level", ShadeMode::Level),
+            ] {
+                // One model tells the levels; lit and flat, both.
+                if mode == ShadeMode::Level && asset == "octahedron" {
+                    continue;
+                }
+                out.push(Golden {
+                    name: format!("{topic}_{asset}{what}"),
+                    asset,
+                    scheme,
+                    level: 0,
+                    drawing: Drawing::Limit,
+                    mode,
+                    samples: 4,
+                    camera: Camera::default(),
+                    tags: Some((tags, random)),
+                });
+            }
+        }
     }
     out
 }
@@ -184,10 +234,17 @@ fn draw(g: &Golden, simd: Level) -> Image {
     });
     let path = common::assets().join(format!("{}.obj", g.asset));
     loader.add_file(&path).unwrap();
-    let scene = loader.finish().0;
+    let mut scene = loader.finish().0;
     let mut renderer = Renderer::new(256, 256);
     renderer.size.samples = g.samples;
     renderer.refinement = Refinement::Uniform(g.level);
+    if let Some((tags, random)) = g.tags {
+        renderer.refinement = Refinement::DepthTags(tags);
+        let mut numbers = common::Random(11);
+        let count = scene.objects[0].surface.cage().points().len();
+        let tags = (0..count).map(|_| (numbers.next() % 6) as u8);
+        scene.objects[0].depth_tags = if random { tags.collect() } else { Vec::new() };
+    }
     renderer.drawing = g.drawing;
     renderer.mode = g.mode;
     renderer.simd = simd;
