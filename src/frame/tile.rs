@@ -4,7 +4,7 @@
 use super::Frame;
 use super::cutout::{Layers, draw_cutout};
 use super::source::{Attributes, Source, SourceScratch};
-use super::spot::{Spot, draw};
+use super::spot::{Listed, Quad, Spot, draw};
 use super::stats::{Stage, StageTimes};
 use crate::film::PixelSum;
 use crate::raster::{Key, PixelBox, ProjectedBlock, Tile, bounds, project};
@@ -328,15 +328,18 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         for v in &s.order[range.clone()] {
             let ([x, y, sample], id) = (v.place(), SampleId(v.id));
             let at = [x0 + x, y0 + y, sample];
-            let spot = Spot::of(&s.projected, list, id, at, frame.size.samples);
-            s.surface.push(surface_point(
-                frame,
-                &s.points,
-                &s.attributes,
-                &s.footprint,
-                spot,
-                template,
-            ));
+            let samples = frame.size.samples;
+            let (points, a, footprint) = (&s.points, &s.attributes, &s.footprint);
+            s.surface.push(match list {
+                None => {
+                    let spot = Quad::new(&s.projected, id, at, samples);
+                    surface_point(frame, points, a, footprint, spot, template)
+                }
+                Some(list) => {
+                    let spot = Listed::new(&s.projected, list, id, at, samples);
+                    surface_point(frame, points, a, footprint, spot, template)
+                }
+            });
         }
         s.shaded.clear();
         s.shaded.resize(s.surface.len(), [0.0; 4]);
@@ -356,7 +359,7 @@ fn surface_point(
     points: &Grid3,
     a: &Attributes,
     footprint: &[f32],
-    spot: Spot,
+    spot: impl Spot,
     template: SurfacePoint,
 ) -> SurfacePoint {
     let position = spot.mix3(points);
