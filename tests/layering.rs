@@ -26,10 +26,16 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "patch",
+        &[
+            "math", "simd", "records", "scheme", "topology", "dice", "dispatch",
+        ],
+    ),
+    (
         "surface",
         &[
-            "math", "simd", "records", "limits", "scheme", "topology", "mesh", "refine", "dice",
-            "control", "Cage", "Surface",
+            "patch", "math", "simd", "records", "limits", "scheme", "topology", "mesh", "refine",
+            "dice", "control", "Cage", "Surface",
         ],
     ),
     (

@@ -12,7 +12,7 @@ use earmark::frame::{Drawing, Finished, FrameStats, Renderer};
 use earmark::limits::Limits;
 use earmark::records::Grid3;
 use earmark::stream::BlockStream;
-use earmark::{Cage, Scene, Surface};
+use earmark::{Cage, Scene, Surface, SurfaceOptions};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::hint::black_box;
@@ -105,9 +105,13 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         return Err(Failure::usage("bench paper makes its own models"));
     }
     let mut scene = if models.is_empty() {
-        Scene::of(Surface::new(torus()?, &a.model.surface()))
+        let options = SurfaceOptions {
+            patches: a.level.patches(),
+            ..a.model.surface()
+        };
+        Scene::of(Surface::new(torus()?, &options))
     } else {
-        job.load(&models, &a.model)?
+        job.load(&models, &a.model, &a.level)?
     };
     job.read_depth_tags(&mut scene, &a.level)?;
     watch::phase(Phase::Measuring);

@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 use earmark::frame::{Drawing, Refinement, Renderer};
 use earmark::mesh::obj::UpAxis as FileUp;
+use earmark::patch::PatchKind;
 use earmark::raster::MAX_SCREEN;
 use earmark::scheme;
 use earmark::shade::ShadeMode;
@@ -179,6 +180,7 @@ impl ModelFlags {
                 FaceVarying::Boundaries => scheme::FaceVaryingRule::Boundaries,
                 FaceVarying::All => scheme::FaceVaryingRule::All,
             }),
+            ..SurfaceOptions::default()
         }
     }
     /// The flag, else the file, else the default.
@@ -218,6 +220,10 @@ pub(crate) enum SurfaceKind {
     Refined,
     /// The polygons as given
     Cage,
+    /// Quadratic patches through points of the limit surface
+    Qas,
+    /// Curved PN triangles over the polygons
+    Pn,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -235,6 +241,10 @@ pub(crate) struct LevelFlags {
     /// What is drawn
     #[arg(long, value_enum, default_value = "limit")]
     pub(crate) surface: SurfaceKind,
+    /// Tension of --surface pn: a text file with one number per vertex of the model, from 0 (flat around it) to 1, one a line or several,
+    /// # begins a comment [default: 1; at corners tagged with sharpness S, 1 − S/10]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) pn_tags: Option<PathBuf>,
     /// Uniform level of refinement, 0 to 10 [default: per model, from the length of its edges in pixels]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: Option<u32>,
@@ -257,9 +267,17 @@ pub(crate) struct LevelFlags {
 impl LevelFlags {
     pub(crate) fn drawing(&self) -> Drawing {
         match self.surface {
-            SurfaceKind::Limit => Drawing::Limit,
+            SurfaceKind::Limit | SurfaceKind::Qas | SurfaceKind::Pn => Drawing::Limit,
             SurfaceKind::Refined => Drawing::Refined,
             SurfaceKind::Cage => Drawing::Cage,
+        }
+    }
+    /// What is diced in place of the limit surface.
+    pub(crate) fn patches(&self) -> PatchKind {
+        match self.surface {
+            SurfaceKind::Qas => PatchKind::Qas,
+            SurfaceKind::Pn => PatchKind::Pn,
+            _ => PatchKind::None,
         }
     }
     pub(crate) fn refinement(&self) -> Refinement {

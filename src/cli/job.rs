@@ -3,9 +3,9 @@
 use super::exit::{Code, Failure};
 use super::flags::{LevelFlags, ModelFlags, RunningFlags, scheme_name};
 use super::messages::{note, warning};
+use super::pn_tags::PnTags;
 use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, reserved_bytes};
 use super::watch::{self, Phase};
-use earmark::Scene;
 use earmark::files::{self, AtomicFile, FolderResolver};
 use earmark::frame::Object;
 use earmark::limits::{Limits, Progress};
@@ -15,6 +15,7 @@ use earmark::mesh::{Cage, obj};
 use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
 use earmark::tessellate::depth_tags;
+use earmark::{Scene, SurfaceOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -117,10 +118,15 @@ impl Job {
         &mut self,
         models: &[PathBuf],
         flags: &ModelFlags,
+        level: &LevelFlags,
     ) -> Result<Scene, Failure> {
         watch::phase(Phase::Reading);
+        let tags = PnTags::of(level, models.len())?;
         let mut loader = Loader::new(LoadOptions {
-            surface: flags.surface(),
+            surface: SurfaceOptions {
+                patches: level.patches(),
+                ..flags.surface()
+            },
             ..LoadOptions::default()
         });
         loader.options_mut().read.up = flags.file_up();
@@ -149,7 +155,10 @@ impl Job {
                 loader.add_cage(cage, &name, resolver.as_mut())
             })?;
         }
-        let (scene, warnings) = loader.finish();
+        let (mut scene, warnings) = loader.finish();
+        if let Some(tags) = tags {
+            self.time("read", |job| tags.apply(&mut scene, job.memory_left()))?;
+        }
         for w in &warnings {
             warning(w);
         }

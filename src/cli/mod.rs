@@ -8,6 +8,7 @@ mod flags;
 mod info;
 mod job;
 mod messages;
+mod pn_tags;
 mod refine;
 mod render;
 mod stats;

@@ -58,6 +58,7 @@ pub(crate) fn check_models(models: &[PathBuf]) -> Result<(), Failure> {
 fn outputs(a: &Arguments) -> Result<(Output, Option<Output>), Failure> {
     let mut inputs = input_paths(&a.models);
     inputs.extend(a.picture.color_map.as_deref());
+    inputs.extend(a.level.pn_tags.as_deref());
     inputs.extend(a.level.tag_file());
     let picture = Output::checked(&a.output, &["png"], &inputs)?;
     let Some(stats) = &a.running.stats else {
@@ -141,7 +142,7 @@ fn apply_color_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Fail
 
 /// The models of the arguments, coloured.
 fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
-    let mut scene = job.load(&a.models, &a.model)?;
+    let mut scene = job.load(&a.models, &a.model, &a.level)?;
     job.read_depth_tags(&mut scene, &a.level)?;
     if let Some(path) = &a.picture.color_map {
         job.time("read", |job| apply_color_map(job, &mut scene, path))?;

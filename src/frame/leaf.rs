@@ -10,6 +10,7 @@ use crate::tessellate::{Leaf, List, Move, Tessellation};
 pub(super) struct Spare {
     first: Box<Grid3>,
     second: Box<Grid3>,
+    hull: Option<Box<Grid3>>,
 }
 
 impl Default for Spare {
@@ -17,6 +18,7 @@ impl Default for Spare {
         Self {
             first: Grid3::boxed(),
             second: Grid3::boxed(),
+            hull: None,
         }
     }
 }
@@ -195,6 +197,9 @@ pub(super) fn hull(
     out: &mut Vec<[f32; 3]>,
 ) {
     let leaf = &tessellation.leaves[item as usize];
+    if surface.displacement().is_some() {
+        return displaced_hull(surface, tessellation, item, scratch, out);
+    }
     if let Some(list) = scattered(tessellation, leaf) {
         // Triangles are flat: nothing is outside of the hull of their points.
         scratch.prepare(surface, leaf.quad, u32::from(leaf.reach), Sides::Points);
@@ -205,7 +210,7 @@ pub(super) fn hull(
                 start: place.map(u32::from),
                 segments: 0,
             };
-            patch.dice_part(one, &mut spare.first, None);
+            patch.dice_part(surface, one, &mut spare.first, None);
             out.push(spare.first.get(0, 0));
         }
         return;
@@ -218,11 +223,32 @@ pub(super) fn hull(
             let spare = &mut scratch.spare;
             scratch
                 .patch
-                .dice_part(target(leaf, to), &mut spare.first, None);
+                .dice_part(surface, target(leaf, to), &mut spare.first, None);
             out.push(spare.first.get(0, 0));
             last = Some(to.to);
         }
     }
+}
+
+/// Corners of the box of a displaced leaf: of what is drawn, which no bound of the displacement comes close to.
+fn displaced_hull(
+    surface: &Surface,
+    tessellation: &Tessellation,
+    item: u32,
+    scratch: &mut SourceScratch,
+    out: &mut Vec<[f32; 3]>,
+) {
+    let mut points = scratch.spare.hull.take().unwrap_or_else(Grid3::boxed);
+    dice(surface, tessellation, item, scratch, &mut points, None);
+    let size = block_size(tessellation, item);
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for k in size.indices() {
+        let p = points.at(k);
+        low = [0, 1, 2].map(|k| low[k].min(p[k]));
+        high = [0, 1, 2].map(|k| high[k].max(p[k]));
+    }
+    scratch.spare.hull = Some(points);
+    out.extend((0..8).map(|c| [0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] })));
 }
 
 /// Dices a leaf: points, and what shading needs where asked for.
@@ -259,7 +285,7 @@ pub(super) fn dice(
         scratch.prepare(surface, leaf.quad, reach, Sides::Points);
         let SourceScratch { patch, spare, .. } = scratch;
         lay(points, None, spare, &|part, p, n| {
-            patch.dice_part(part, p, n);
+            patch.dice_part(surface, part, p, n);
         });
         folded(points);
         return;
@@ -267,7 +293,7 @@ pub(super) fn dice(
     scratch.prepare(surface, leaf.quad, reach, Sides::Normals);
     let SourceScratch { patch, spare, .. } = scratch;
     lay(points, Some(&mut *a.normals), spare, &|part, p, n| {
-        patch.dice_part(part, p, n);
+        patch.dice_part(surface, part, p, n);
     });
     folded(points);
     folded(&mut a.normals);

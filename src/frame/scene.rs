@@ -69,7 +69,7 @@ impl Scene {
             let drawn = move |h: &u32| !quads.is_hole(quads.face_of(*h));
             (0..quads.half_count() as u32)
                 .filter(drawn)
-                .map(move |h| o.surface.fan_limit(quads.fan(h)).0)
+                .map(move |h| o.surface.corner_point(h).0)
         }))
     }
 

@@ -174,7 +174,10 @@ impl<'a> Source<'a> {
 
     /// Level 0 of a cage with n-gons: its polygons with limit points at the corners.
     fn is_polygonal(&self) -> bool {
-        self.tessellation.is_none() && self.level == 0 && self.object.surface.is_split()
+        self.tessellation.is_none()
+            && self.level == 0
+            && self.object.surface.is_split()
+            && self.object.surface.displacement().is_none()
     }
 
     /// Level of the quads.
@@ -362,12 +365,12 @@ impl<'a> Source<'a> {
         }
         let Some(a) = attributes else {
             self.prepare(scratch, item, Sides::Points);
-            scratch.patch.dice(bu, bv, points, None);
+            (scratch.patch).dice(&self.object.surface, bu, bv, points, None);
             return;
         };
         self.prepare(scratch, item, Sides::Normals);
         let (surface, patch) = (&self.object.surface, &mut scratch.patch);
-        patch.dice(bu, bv, points, Some(&mut a.normals));
+        patch.dice(surface, bu, bv, points, Some(&mut a.normals));
         if a.wants_uvs && !patch.has_uvs() {
             patch.prepare_uvs(surface, item);
         }
@@ -394,9 +397,10 @@ impl<'a> Source<'a> {
     }
 
     fn corner_point(&self, h: u32) -> [f32; 3] {
-        let fan = self.object.surface.quads().fan(h);
-        let refined = self.refined.as_ref().and_then(|fans| fans.point(fan));
-        refined.unwrap_or_else(|| self.object.surface.fan_limit(fan).0)
+        let surface = &self.object.surface;
+        let of_fan = |fans: &RefinedFans| fans.point(surface.quads().fan(h));
+        let refined = self.refined.as_ref().and_then(of_fan);
+        refined.unwrap_or_else(|| surface.corner_point(h).0)
     }
 
     fn dice_polygon(&self, item: u32, points: &mut Grid3, attributes: Option<&mut Attributes>) {
@@ -409,8 +413,7 @@ impl<'a> Source<'a> {
         a.has_uvs = a.wants_uvs && surface.has_uvs();
         a.has_colors = !surface.cage().colors.is_empty();
         for (&h, (i, j)) in corners.iter().zip(CORNERS) {
-            a.normals
-                .set(i, j, surface.fan_limit(surface.quads().fan(h)).1);
+            a.normals.set(i, j, surface.corner_point(h).1);
             a.uvs.set(i, j, surface.uv_limit(h).unwrap_or_default());
             a.colors
                 .set(i, j, surface.color_limit(h).unwrap_or_default());

@@ -66,6 +66,10 @@ struct VertexLimit {
 /// Computes the limit of all vertices of `level`.
 #[must_use]
 pub fn limit<T: Real>(level: &Level<T>, options: &Options) -> Limit<T> {
+    T::limit(level, options)
+}
+
+pub(super) fn make<T: Real>(level: &Level<T>, options: &Options) -> Limit<T> {
     let t = &level.topology;
     let step = Step::new(t, options);
     let tables = Tables::new(options.scheme == Scheme::Loop);

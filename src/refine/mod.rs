@@ -16,6 +16,7 @@ pub mod face_varying;
 pub mod interpolating;
 pub(crate) mod lattice;
 pub mod limit;
+pub mod passes;
 pub mod real;
 pub(crate) mod restrict;
 pub mod ring;
@@ -155,6 +156,15 @@ impl<T: Real> Level<T> {
         scheme: Scheme,
         rule: FaceVaryingRule,
     ) -> Result<Self, RefineError> {
+        T::of_cage(cage, topology, scheme, rule)
+    }
+
+    fn make_of_cage(
+        cage: &Cage,
+        topology: Topology,
+        scheme: Scheme,
+        rule: FaceVaryingRule,
+    ) -> Result<Self, RefineError> {
         let points = cage
             .points()
             .iter()
@@ -168,7 +178,7 @@ impl<T: Real> Level<T> {
                 .iter()
                 .map(|p| p.map(|c| T::from_f64(f64::from(c))))
                 .collect();
-            level = level.with_uvs(&values, cage.corner_uvs(), scheme, rule)?;
+            level = level.make_with_uvs(&values, cage.corner_uvs(), scheme, rule)?;
         }
         Ok(level)
     }
@@ -178,6 +188,16 @@ impl<T: Real> Level<T> {
     /// # Errors
     /// [`RefineError::WrongCount`] unless there is one index per corner and every index has a value.
     pub fn with_uvs(
+        self,
+        values: &[[T; 2]],
+        corners: &[u32],
+        scheme: Scheme,
+        rule: FaceVaryingRule,
+    ) -> Result<Self, RefineError> {
+        T::with_uvs(self, values, corners, scheme, rule)
+    }
+
+    fn make_with_uvs(
         mut self,
         values: &[[T; 2]],
         corners: &[u32],
@@ -253,6 +273,10 @@ impl<T: Real> Level<T> {
     /// # Errors
     /// [`RefineError::TooManyCorners`] when 32-bit indices do not reach, [`RefineError::NotTriangle`] when the scheme needs triangles.
     pub fn next(&self, options: &Options, timings: &mut Timings) -> Result<Self, RefineError> {
+        T::next(self, options, timings)
+    }
+
+    fn make_next(&self, options: &Options, timings: &mut Timings) -> Result<Self, RefineError> {
         let t = &self.topology;
         if options.scheme.is_triangular() {
             check_triangles(t)?;

@@ -1,5 +1,6 @@
 //! Numbers that points are made of, and the few operations on tuples of them that the passes need.
 
+use super::passes::Passes;
 use std::ops::{Add, Mul, Sub};
 
 /// `f32` for pictures and export, `f64` for the oracle.
@@ -14,6 +15,7 @@ pub trait Real:
     + Sub<Output = Self>
     + Mul<Output = Self>
     + 'static
+    + Passes
 {
     /// Rounds to this type.
     fn from_f64(x: f64) -> Self;

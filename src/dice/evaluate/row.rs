@@ -55,11 +55,15 @@ pub(crate) struct Row {
 impl Row {
     /// Rows of a quad's grid of `n` segments.
     pub(crate) fn new(n: u32) -> Self {
-        let length = n as usize + 1;
+        Self::of_columns((0..=n).map(|i| i as f32 / n as f32), Level::detect())
+    }
+
+    /// Rows of any places along u, in ascending order.
+    pub(crate) fn of_columns(u: impl Iterator<Item = f32>, simd: Level) -> Self {
         Self {
-            simd: Level::detect(),
-            columns: (0..=n).map(|i| Column::new(i as f32 / n as f32)).collect(),
-            u: Vec::with_capacity(length),
+            simd,
+            columns: u.map(Column::new).collect(),
+            u: Vec::new(),
             lines: Vec::new(),
             jets: Vec::new(),
             corners: [None; 2],

@@ -117,6 +117,11 @@ impl TablePatch {
         self.wanted = sides;
     }
 
+    /// Whether its faces are triangles.
+    pub(crate) fn is_triangular(&self) -> bool {
+        self.channel.as_deref().is_some_and(|c| c.triangular)
+    }
+
     /// Dices block (`bu`, `bv`), of the size that [`FacePatch::block_size`] says.
     pub(crate) fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
         self.dice_part(Part::block(self.level, [bu, bv]), points, normals);
@@ -427,7 +432,7 @@ impl TablePatch {
 
     /// Interpolating surfaces leave the hull of their control points: only the points themselves tell where they are.
     fn boxed(&self, parts: impl Iterator<Item = Part>, mut out: impl FnMut([f32; 3])) {
-        let triangular = self.channel.as_deref().is_some_and(|c| c.triangular);
+        let triangular = self.is_triangular();
         let mut grid = Grid3::boxed();
         let patch = Self {
             // A hull holds what is drawn, sides included.

@@ -84,7 +84,7 @@ fn face(
         patch.prepare_points(surface, q, level, None, Sides::Normals);
         for c in 0..4 {
             if open[c] {
-                patch.side(c, &mut line.points, &mut line.normals);
+                patch.side(surface, c, &mut line.points, &mut line.normals);
                 let mut found = Splits::default();
                 open[c] = line.split(metric, level, &mut found);
                 splits[c] = Some(found);

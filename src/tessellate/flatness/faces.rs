@@ -192,8 +192,12 @@ impl<'a> Worker<'a> {
             start: place.map(|k| k << log),
             segments: 1 << log,
         };
-        self.patch
-            .dice_part(part, &mut self.points, Some(&mut self.normals));
+        self.patch.dice_part(
+            self.surface,
+            part,
+            &mut self.points,
+            Some(&mut self.normals),
+        );
         let samples = Samples {
             points: &self.points,
             normals: &self.normals,
