@@ -834,6 +834,6 @@ fn depth_tags_are_read_or_refused() {
 
 #[test]
 fn the_papers_bring_their_own_models() {
-    let out = earmark().args(["bench", "paper"]).arg(asset("cube.obj"));
-    assert_eq!(code(&out.output().unwrap()), 2);
+    let out = run(&["bench", "paper", "cube.obj"]);
+    assert_eq!(code(&out), 2);
 }

@@ -11,13 +11,19 @@ use super::bench::{Arguments, Outcome, Published, publish, push};
 use super::exit::Failure;
 use super::job::Job;
 use super::stats::{Clock, Time};
+use Depth::{Both, Curvature, Distance, Uniform};
+use Kind::{Function as Noise, Limit, Map, Pn, Qas};
+use Model::{Ground, Odd, Quads, Torus};
+use earmark::displace::{Displacement, Function, HeightMap, Shape};
 use earmark::frame::{FrameStats, Refinement, Renderer};
+use earmark::patch::PatchKind;
 use earmark::refine::{Level, Options, Timings};
 use earmark::scheme::{FaceVaryingRule, Scheme};
 use earmark::tessellate::DepthTags;
 use earmark::topology::{ConnectOptions, connect};
 use earmark::{Cage, Camera, Scene, Surface, SurfaceOptions};
 use std::hint::black_box;
+use std::sync::Arc;
 
 /// The cage of a row.
 #[derive(Clone, Copy)]
@@ -41,73 +47,64 @@ enum Depth {
     Both(u64),
 }
 
+/// What is cut: the limit surface, patches in its place, or either displaced.
+#[derive(Clone, Copy)]
+enum Kind {
+    Limit,
+    Qas,
+    Pn,
+    /// The limit surface displaced by a function of space.
+    Function,
+    /// The limit surface displaced by a map.
+    Map,
+}
+
 struct Frame {
     name: &'static str,
     model: Model,
+    kind: Kind,
     depth: Depth,
     /// Frames in a second as published, on a GPU.
     fps: f64,
 }
 
-const fn frame(name: &'static str, model: Model, depth: Depth, fps: f64) -> Frame {
+const fn frame(name: &'static str, model: Model, kind: Kind, depth: Depth, fps: f64) -> Frame {
     Frame {
         name,
         model,
+        kind,
         depth,
         fps,
     }
 }
 
 const FRAMES: [Frame; 14] = [
-    frame(
-        "gamer-robot",
-        Model::Torus(89, 7),
-        Depth::Both(1_100_000),
-        263.0,
-    ),
+    frame("gamer-robot", Torus(89, 7), Pn, Both(1_100_000), 263.0),
     frame(
         "gamer-hand",
-        Model::Torus(21, 13),
-        Depth::Distance(2_100_000),
+        Torus(21, 13),
+        Noise,
+        Distance(2_100_000),
         155.0,
     ),
-    frame(
-        "gamer-face",
-        Model::Torus(33, 29),
-        Depth::Curvature(4_000_000),
-        58.0,
-    ),
+    frame("gamer-face", Torus(33, 29), Map, Curvature(4_000_000), 58.0),
     frame(
         "gamer-terrain",
-        Model::Ground(7, 7),
-        Depth::Distance(6_400_000),
+        Ground(7, 7),
+        Map,
+        Distance(6_400_000),
         44.0,
     ),
-    frame(
-        "gamer-65000",
-        Model::Torus(250, 130),
-        Depth::Uniform(2),
-        38.0,
-    ),
-    frame("gamer-4000", Model::Torus(50, 40), Depth::Uniform(4), 279.0),
-    frame("qas-2720", Model::Torus(40, 34), Depth::Uniform(5), 113.0),
-    frame("qas-2516", Model::Torus(37, 34), Depth::Uniform(5), 128.0),
-    frame(
-        "qas-1246",
-        Model::Torus(89, 7),
-        Depth::Distance(2_600_000),
-        132.0,
-    ),
-    frame("qas-546", Model::Torus(21, 13), Depth::Uniform(5), 527.0),
-    frame(
-        "qas-703",
-        Model::Odd(27, 13),
-        Depth::Distance(620_000),
-        499.0,
-    ),
-    frame("antal-0", Model::Quads(50, 26), Depth::Uniform(0), 1073.0),
-    frame("antal-1", Model::Quads(50, 26), Depth::Uniform(1), 306.0),
-    frame("antal-2", Model::Quads(50, 26), Depth::Uniform(2), 18.8),
+    frame("gamer-65000", Torus(250, 130), Limit, Uniform(2), 38.0),
+    frame("gamer-4000", Torus(50, 40), Limit, Uniform(4), 279.0),
+    frame("qas-2720", Torus(40, 34), Qas, Uniform(5), 113.0),
+    frame("qas-2516", Torus(37, 34), Qas, Uniform(5), 128.0),
+    frame("qas-1246", Torus(89, 7), Qas, Distance(2_600_000), 132.0),
+    frame("qas-546", Torus(21, 13), Qas, Uniform(5), 527.0),
+    frame("qas-703", Odd(27, 13), Qas, Distance(620_000), 499.0),
+    frame("antal-0", Quads(50, 26), Limit, Uniform(0), 1073.0),
+    frame("antal-1", Quads(50, 26), Limit, Uniform(1), 306.0),
+    frame("antal-2", Quads(50, 26), Limit, Uniform(2), 18.8),
 ];
 
 /// Seconds of the whole-mesh refinement of a cube, as published: on a CPU, on a GPU.
@@ -163,7 +160,19 @@ fn torus(m: u32, n: u32, triangles: bool) -> Result<Cage, earmark::mesh::CageErr
         let quad = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         face(quad, triangles, &mut counts, &mut corners);
     }
-    Cage::new(points.collect(), &counts, corners)
+    let uvs = (0..=m).flat_map(|i| (0..=n).map(move |j| [unit(i, m), unit(j, n)]));
+    let (mut uv_counts, mut uv_corners) = (Vec::new(), Vec::new());
+    let at = |i: u32, j: u32| i * (n + 1) + j;
+    for (i, j) in (0..m).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        let quad = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        face(quad, triangles, &mut uv_counts, &mut uv_corners);
+    }
+    Cage::new(points.collect(), &counts, corners)?.with_uvs(uvs.collect(), uv_corners)
+}
+
+/// A step as a texture coordinate.
+fn unit(k: u32, of: u32) -> f32 {
+    k as f32 / of as f32
 }
 
 fn ground(m: u32, n: u32, odd: bool) -> Result<Cage, earmark::mesh::CageError> {
@@ -189,7 +198,50 @@ fn ground(m: u32, n: u32, odd: bool) -> Result<Cage, earmark::mesh::CageError> {
         counts.push(3);
         corners.extend([at(0, 0), at(1, 0), last]);
     }
-    Cage::new(points, &counts, corners)
+    let uvs = points.iter().map(|p| [0.5 + 0.5 * p[0], 0.5 + 0.5 * p[2]]);
+    let (uvs, uv_corners) = (uvs.collect(), corners.clone());
+    Cage::new(points, &counts, corners)?.with_uvs(uvs, uv_corners)
+}
+
+/// Heights about 0, of several sizes.
+fn heights() -> Result<HeightMap, Failure> {
+    const N: u32 = 512;
+    let wave =
+        |k: u32, turns: f64| libm::sin(f64::from(k) / f64::from(N) * turns * std::f64::consts::TAU);
+    let table: Vec<[f64; 4]> = (0..N)
+        .map(|k| [wave(k, 3.0), wave(k, 7.0), wave(k, 17.0), wave(k, 41.0)])
+        .collect();
+    let height = |k: u32| {
+        let (x, y) = (table[(k % N) as usize], table[(k / N) as usize]);
+        (x[0] * y[1] + 0.5 * x[1] * y[2] + 0.25 * x[2] * y[0] + 0.12 * x[3] * y[3]) as f32
+    };
+    HeightMap::new(N, N, (0..N * N).map(height).collect())
+        .map_err(|e| Failure::usage(e.to_string()))
+}
+
+impl Kind {
+    fn surface(self, cage: Cage) -> Result<Surface, Failure> {
+        let patches = match self {
+            Self::Qas => PatchKind::Qas,
+            Self::Pn => PatchKind::Pn,
+            Self::Limit | Self::Function | Self::Map => PatchKind::None,
+        };
+        let options = SurfaceOptions {
+            patches,
+            ..SurfaceOptions::default()
+        };
+        let mut surface = Surface::new(cage, &options);
+        let displacement = match self {
+            Self::Function => Displacement::function(Function {
+                frequency: 4.0,
+                ..Function::new(Shape::Fbm)
+            }),
+            Self::Map => Displacement::map(Arc::new(heights()?)),
+            _ => return Ok(surface),
+        };
+        surface.set_displacement(Some(displacement.scaled(0.04)));
+        Ok(surface)
+    }
 }
 
 impl Depth {
@@ -230,7 +282,7 @@ impl Ready {
     fn new(job: &Job, a: &Arguments, row: &Frame) -> Result<Self, Failure> {
         let cage = row.model.cage()?;
         let points = cage.points().to_vec();
-        let scene = Scene::of(Surface::new(cage, &SurfaceOptions::default()));
+        let scene = Scene::of(row.kind.surface(cage)?);
         let mut renderer = a.picture.renderer(&a.level);
         renderer.size.samples = 1;
         renderer.simd = job.simd;
