@@ -13,7 +13,9 @@
 use super::basis::{Basis, Target};
 use super::net::Net;
 use super::point::P4;
-use super::regular::{LANES, Lanes, Lanes3, blend, mix3, take, unit_lanes, unit_of, weights};
+use super::regular::{
+    LANES, Lanes, Lanes3, blend, mix3, one_by_one, take, unit_lanes, unit_of, weights,
+};
 use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::simd::Level;
 use std::hint::black_box;
@@ -96,18 +98,30 @@ pub(super) struct GridLine<'a> {
 impl Put for GridLine<'_> {
     #[inline(always)]
     fn put<const W: usize>(&mut self, at: usize, n: usize, values: &Lanes3<W>) {
+        let first = self.first + at * self.step;
         let Grid3 { x, y, z } = &mut *self.grid;
-        for (to, from) in [x, y, z].into_iter().zip(values) {
-            let first = self.first + at * self.step;
-            if self.step > 1 {
-                let to = to[first..].iter_mut().step_by(BLOCK_STRIDE);
-                for (to, from) in to.zip(&from.0[..n]) {
-                    *to = *from;
-                }
-            } else if n == W {
-                to[first..first + W].copy_from_slice(&from.0);
-            } else {
-                to[first..first + n].copy_from_slice(&from.0[..n]);
+        if self.step > 1 {
+            let last = first + (n - 1) * BLOCK_STRIDE;
+            let (x, y, z) = (
+                &mut x[first..=last],
+                &mut y[first..=last],
+                &mut z[first..=last],
+            );
+            for i in 0..n {
+                x[i * BLOCK_STRIDE] = values[0].0[i];
+                y[i * BLOCK_STRIDE] = values[1].0[i];
+                z[i * BLOCK_STRIDE] = values[2].0[i];
+            }
+        } else if n == W {
+            x[first..first + W].copy_from_slice(&values[0].0);
+            y[first..first + W].copy_from_slice(&values[1].0);
+            z[first..first + W].copy_from_slice(&values[2].0);
+        } else {
+            for i in 0..n {
+                one_by_one();
+                x[first + i] = values[0].0[i];
+                y[first + i] = values[1].0[i];
+                z[first + i] = values[2].0[i];
             }
         }
     }
@@ -176,16 +190,21 @@ impl Strip {
     pub(super) fn of<const N: usize>(net: &Net<N>, [row, col]: [usize; 2], side: usize) -> Self {
         // The line of control points that belongs to the side.
         let middle = if side == 1 || side == 2 { 2 } else { 1 };
-        let line = |k: usize| -> [P4; 4] {
-            std::array::from_fn(|i| match side & 1 {
-                0 => net[row + k][col + i],
-                _ => net[row + i][col + k],
-            })
-        };
+        let mut lines = [[P4::ZERO; 4]; 3];
+        for (k, line) in (middle - 1..).zip(&mut lines) {
+            if side & 1 == 0 {
+                line.copy_from_slice(&net[row + k][col..col + 4]);
+            } else {
+                for (point, net) in line.iter_mut().zip(&net[row..row + 4]) {
+                    *point = net[col + k];
+                }
+            }
+        }
+        let [minus, centre, plus] = lines;
         Self {
-            minus: line(middle - 1),
-            centre: line(middle),
-            plus: line(middle + 1),
+            minus,
+            centre,
+            plus,
             vertical: side & 1 == 1,
         }
     }
@@ -219,21 +238,31 @@ impl Strip {
     /// The strip's middle line: each centre blended with its neighbours.
     #[inline(always)]
     fn across(&self, [side, centre]: [f32; 2]) -> [P4; 4] {
-        let at = |i: usize| (self.minus[i] + self.plus[i]) * side + self.centre[i] * centre;
-        [at(0), at(1), at(2), at(3)]
+        let mut out = [P4::ZERO; 4];
+        for i in 0..4 {
+            out[i] = (self.minus[i] + self.plus[i]) * side + self.centre[i] * centre;
+        }
+        out
     }
 
     /// Differences across, and a normal for points where the tangents are parallel.
     #[inline(always)]
     fn slopes(&self) -> ([P4; 4], [f32; 3]) {
-        let across: [P4; 4] = std::array::from_fn(|i| self.plus[i] - self.minus[i]);
+        let mut across = [P4::ZERO; 4];
+        for i in 0..4 {
+            across[i] = self.plus[i] - self.minus[i];
+        }
         let along = self.centre[2] - self.centre[1];
         let normal = if self.vertical {
             (across[1] + across[2]).cross(along)
         } else {
             along.cross(across[1] + across[2])
         };
-        (across, normal.unit().map_or([0.0, 0.0, 1.0], P4::xyz))
+        let spare = match normal.unit() {
+            Some(normal) => normal.xyz(),
+            None => [0.0, 0.0, 1.0],
+        };
+        (across, spare)
     }
 
     /// Samples that the strip shows, points and normals.

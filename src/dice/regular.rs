@@ -56,7 +56,7 @@ pub(super) type Lanes3<const W: usize> = [Lanes<W>; 3];
 /// Keeps the loop around it scalar. Loops over lanes become vectors; without this the compiler would rather vectorise the loop over rows or
 /// components around them, and gather and scatter.
 #[inline(always)]
-fn one_by_one() {
+pub(super) fn one_by_one() {
     black_box(());
 }
 
@@ -131,7 +131,13 @@ pub(crate) fn dice_sheets(
     mut normals: Option<&mut Grid3>,
 ) {
     for sheet in sheets.iter().rev() {
-        for quadrant in sheet.quadrants() {
+        // Those that are seen where several meet come last.
+        for rank in (0..4).rev() {
+            let q = (rank + sheet.corner) & 3;
+            if !sheet.has(q) {
+                continue;
+            }
+            let quadrant = sheet.quadrant(q);
             if let Some(area) = Area::of(&quadrant, range) {
                 let basis = Basis::get(target, sheet.level.saturating_sub(range.shift));
                 area.dice(&quadrant, basis, points, normals.as_deref_mut());
@@ -168,15 +174,16 @@ impl Area {
             return None;
         }
         let round = (1 << range.shift) - 1;
-        let low = [0, 1].map(|k| {
-            let own = (quadrant.own[0][k] + round) >> range.shift;
-            own.max(range.low[k])
-        });
-        let high = [0, 1].map(|k| (quadrant.own[1][k] >> range.shift).min(range.high[k]));
+        let (mut low, mut high) = (range.low, range.high);
+        for k in 0..2 {
+            low[k] = low[k].max((quadrant.own[0][k] + round) >> range.shift);
+            high[k] = high[k].min(quadrant.own[1][k] >> range.shift);
+        }
         if low[0] > high[0] || low[1] > high[1] {
             return None;
         }
-        let origin = quadrant.origin.map(|k| k >> range.shift);
+        let [u, v] = quadrant.origin;
+        let origin = [u >> range.shift, v >> range.shift];
         let right = if origin[0] + size >= range.end {
             LINE
         } else {
@@ -229,15 +236,11 @@ impl Area {
         }
     }
 
-    /// Calls `f` with the first column of each vector.
+    /// The column from which the vector is written that shows `col`, the first one without it.
     #[inline(always)]
-    fn each_vector<const W: usize>(&self, mut f: impl FnMut(usize)) {
-        let mut col = (self.col - self.col % W).max(self.left);
-        while col < self.col + self.cols {
-            let at = col.min(self.right - W);
-            f(at);
-            col = at + W;
-        }
+    fn vector<const W: usize>(&self, col: Option<usize>) -> Option<usize> {
+        let col = col.unwrap_or((self.col - self.col % W).max(self.left));
+        (col < self.col + self.cols).then(|| col.min(self.right - W))
     }
 
     /// Column of the quadrant.
@@ -251,7 +254,8 @@ impl Area {
         for row in (0..self.rows).step_by(W) {
             let q = blend_rows(&take::<W>(&basis.point, self.first + row), net);
             let rows = (self.rows - row).min(W);
-            self.each_vector::<W>(|col| {
+            let mut next = self.vector::<W>(None);
+            while let Some(col) = next {
                 let w = take::<W>(&basis.point, self.column(col));
                 for j in 0..rows {
                     one_by_one();
@@ -260,7 +264,8 @@ impl Area {
                     mix(&w, four(&q, 1, j), &mut out.y[at..]);
                     mix(&w, four(&q, 2, j), &mut out.z[at..]);
                 }
-            });
+                next = self.vector::<W>(Some(col + W));
+            }
         }
     }
 
@@ -274,7 +279,8 @@ impl Area {
             let q = blend_rows(&take::<W>(&basis.limit, self.first + row), net);
             let r = blend_rows(&take::<W>(&basis.slope, self.first + row), net);
             let rows = (self.rows - row).min(W);
-            self.each_vector::<W>(|col| {
+            let mut next = self.vector::<W>(None);
+            while let Some(col) = next {
                 let limit = take::<W>(&basis.limit, self.column(col));
                 let slope = take::<W>(&basis.slope, self.column(col));
                 for j in 0..rows {
@@ -289,7 +295,8 @@ impl Area {
                     out.y[at..at + W].copy_from_slice(&unit[1].0);
                     out.z[at..at + W].copy_from_slice(&unit[2].0);
                 }
-            });
+                next = self.vector::<W>(Some(col + W));
+            }
         }
     }
 
@@ -302,11 +309,8 @@ impl Area {
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
-        let rows = |w: [f32; 4]| -> [P4; 4] {
-            std::array::from_fn(|k| blend(w, [net[0][k], net[1][k], net[2][k], net[3][k]]))
-        };
         for j in 0..self.rows {
-            let q = rows(weights(&basis.point, self.first + j));
+            let q = blend_row(weights(&basis.point, self.first + j), net);
             for i in self.col..self.col + self.cols {
                 let p = blend(weights(&basis.point, self.column(i)), q);
                 points.set(i, self.row + j, p.xyz());
@@ -315,8 +319,8 @@ impl Area {
                 continue;
             };
             let spare = fallback(net);
-            let q = rows(weights(&basis.limit, self.first + j));
-            let r = rows(weights(&basis.slope, self.first + j));
+            let q = blend_row(weights(&basis.limit, self.first + j), net);
+            let r = blend_row(weights(&basis.slope, self.first + j), net);
             for i in self.col..self.col + self.cols {
                 let du = blend(weights(&basis.slope, self.column(i)), q);
                 let dv = blend(weights(&basis.limit, self.column(i)), r);
@@ -345,6 +349,17 @@ fn blend_rows<const W: usize>(w: &Weights<W>, net: &[[P4; 4]; 4]) -> [Lanes3<W>;
     out
 }
 
+/// The four columns of a net, each blended by `w`.
+#[inline(always)]
+fn blend_row(w: [f32; 4], net: &[[P4; 4]; 4]) -> [P4; 4] {
+    [
+        blend(w, [net[0][0], net[1][0], net[2][0], net[3][0]]),
+        blend(w, [net[0][1], net[1][1], net[2][1], net[3][1]]),
+        blend(w, [net[0][2], net[1][2], net[2][2], net[3][2]]),
+        blend(w, [net[0][3], net[1][3], net[2][3], net[3][3]]),
+    ]
+}
+
 /// Component `c` of the four points of row `j`.
 #[inline(always)]
 fn four<const W: usize>(q: &[Lanes3<W>; 4], c: usize, j: usize) -> [f32; 4] {
@@ -355,7 +370,10 @@ fn four<const W: usize>(q: &[Lanes3<W>; 4], c: usize, j: usize) -> [f32; 4] {
 #[inline(always)]
 fn fallback(net: &[[P4; 4]; 4]) -> [f32; 3] {
     let n = (net[2][2] - net[1][1]).cross(net[2][1] - net[1][2]);
-    n.unit().map_or([0.0, 0.0, 1.0], P4::xyz)
+    match n.unit() {
+        Some(n) => n.xyz(),
+        None => [0.0, 0.0, 1.0],
+    }
 }
 
 /// Unit cross product; `spare` where there is none.

@@ -109,14 +109,9 @@ impl Sheet {
         }
     }
 
-    /// The splines in the order in which they are diced: those seen where several meet come last.
-    #[inline(always)]
+    /// All splines, in no order that matters.
     pub(super) fn quadrants(&self) -> impl Iterator<Item = Quadrant<'_>> {
-        (0..4)
-            .rev()
-            .map(|rank| (rank + self.corner) & 3)
-            .filter(|&q| self.has(q))
-            .map(|q| self.quadrant(q))
+        (0..4).filter(|&q| self.has(q)).map(|q| self.quadrant(q))
     }
 
     /// Moves the sheet over the grid of a larger face.
@@ -133,7 +128,11 @@ impl Quadrant<'_> {
     #[inline(always)]
     pub(super) fn net(&self) -> Net<4> {
         let [row, col] = self.at;
-        std::array::from_fn(|r| std::array::from_fn(|k| self.sheet.net[row + r][col + k]))
+        let mut out = [[P4::ZERO; 4]; 4];
+        for (out, line) in out.iter_mut().zip(&self.sheet.net[row..row + 4]) {
+            out.copy_from_slice(&line[col..col + 4]);
+        }
+        out
     }
 
     /// Points whose convex hull holds the diced points between the given columns and rows (in units of the quadrant's size).

@@ -99,9 +99,11 @@ impl FacePatch {
         points: &mut impl Put,
         mut normals: Option<&mut impl Put>,
     ) {
-        self.each_strip(c, |strip, span| {
-            strip.sample(span, range, points, normals.as_deref_mut());
-        });
+        self.each_strip(
+            c,
+            #[inline(always)]
+            |strip, span| strip.sample(span, range, points, normals.as_deref_mut()),
+        );
         if self.whole >> c & 1 == 0 {
             self.sample_middle(c, range, points, normals);
         }
@@ -162,9 +164,21 @@ impl FacePatch {
                 0 => (across * BLOCK_STRIDE, 1),
                 _ => (across, BLOCK_STRIDE),
             };
-            let line = |grid| GridLine { grid, first, step };
-            let mut normals = normals.as_deref_mut().map(line);
-            self.sample_side(c, range, &mut line(points), normals.as_mut());
+            let mut line = GridLine {
+                grid: &mut *points,
+                first,
+                step,
+            };
+            if let Some(normals) = normals.as_deref_mut() {
+                let mut normals = GridLine {
+                    grid: normals,
+                    first,
+                    step,
+                };
+                self.sample_side(c, range, &mut line, Some(&mut normals));
+            } else {
+                self.sample_side(c, range, &mut line, None::<&mut GridLine<'_>>);
+            }
         }
     }
 
