@@ -43,6 +43,18 @@ impl Grid3 {
         [self.x[k], self.y[k], self.z[k]]
     }
 
+    /// The point at place `k` of the component arrays.
+    #[inline]
+    pub(crate) fn at(&self, k: usize) -> [f32; 3] {
+        [self.x[k], self.y[k], self.z[k]]
+    }
+
+    /// Sets the point at place `k` of the component arrays.
+    #[inline]
+    pub(crate) fn put(&mut self, k: usize, p: [f32; 3]) {
+        (self.x[k], self.y[k], self.z[k]) = (p[0], p[1], p[2]);
+    }
+
     /// Sets the point in column `i` and row `j`.
     #[inline]
     pub fn set(&mut self, i: usize, j: usize, p: [f32; 3]) {
@@ -60,6 +72,14 @@ pub struct BlockSize {
     pub cols: usize,
     /// Points along v, 2 to 33.
     pub rows: usize,
+}
+
+impl BlockSize {
+    /// Places of all points in the component arrays of a [`Grid3`], row by row.
+    #[inline]
+    pub(crate) fn indices(self) -> impl Iterator<Item = usize> {
+        (0..self.rows).flat_map(move |j| j * BLOCK_STRIDE..j * BLOCK_STRIDE + self.cols)
+    }
 }
 
 /// Id of a visibility sample: which block of the tile, which micro-quad of the block, which half of the micro-quad.

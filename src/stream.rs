@@ -82,6 +82,6 @@ impl<'a> BlockStream<'a> {
     /// Limit points, and unit limit normals where asked for, of block (`u`, `v`) of the quad that was prepared last.
     #[inline]
     pub fn dice(&self, u: u32, v: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
-        self.patch.dice(u, v, points, normals);
+        self.patch.dice(self.surface, u, v, points, normals);
     }
 }

@@ -1,26 +1,33 @@
 //! The subdivision surface of a cage: topology once, points as often as they move.
 
 mod diced;
+mod displaced;
+mod jets;
 mod mesh;
 mod patch;
 
 use crate::control::tables::{Plans, TableTree, Walk};
 use crate::control::{ControlTree, Fans, Kind, TreeChannel};
 use crate::dice::control::Descend;
-use crate::dice::face::{Channel, FacePatch};
+use crate::dice::face::{Channel, FacePatch, Sides};
 use crate::dice::fan_points::FanPoints;
 use crate::dice::presplit::presplit;
 use crate::dice::triangle::TriangleChannel;
 use crate::dice::{DiceFault, MAX_LEVEL};
 use crate::limits::{Budget, LimitError};
+use crate::math;
 use crate::mesh::{Cage, NONE};
+use crate::patch::{FacePatches, PatchKind, PnCage};
 use crate::records::Grid3;
 use crate::refine;
-use crate::scheme::{Boundary, CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
+use crate::scheme::{
+    Boundary, CreaseMethod, FaceVaryingRule, INFINITE_SHARPNESS, Scheme, TriangleRule,
+};
 use crate::simd::Level;
 use crate::topology::channel::connect_channel;
 use crate::topology::ears::Ears;
 use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
+use displaced::Displaced;
 use mesh::QuadMesh;
 use std::sync::Arc;
 
@@ -41,6 +48,16 @@ pub struct SurfaceOptions {
     pub boundary: Option<Boundary>,
     /// Face-varying rule; default corners-plus1.
     pub face_varying: Option<FaceVaryingRule>,
+    /// Patches that are diced in place of the limit surface; default none.
+    pub patches: PatchKind,
+}
+
+/// What patches are made of.
+#[derive(Clone, Debug)]
+enum PatchCage {
+    /// Nothing but the limit surface.
+    Qas,
+    Pn(Box<PnCage>),
 }
 
 /// Values at the vertices, refined like the points: same topology, other numbers.
@@ -90,10 +107,13 @@ pub struct Surface {
     split_vertices: Vec<u32>,
     /// All channels under interpolating schemes.
     tables: Option<Box<TableTree>>,
+    /// In place of the limit surface.
+    patches: Option<PatchCage>,
     linear: bool,
     linear_uv: bool,
     /// Whether faces are triangles, under Loop's scheme and Modified Butterfly.
     triangles: bool,
+    displaced: Option<Arc<Displaced>>,
     warnings: Vec<TopologyWarning>,
 }
 
@@ -110,7 +130,15 @@ impl Surface {
     /// The surface of `cage`. Cannot fail: whatever the cage is, it has a surface; what had to be decided on the way is in
     /// [`Surface::warnings`].
     #[must_use]
-    pub fn new(cage: Cage, options: &SurfaceOptions) -> Self {
+    pub fn new(mut cage: Cage, options: &SurfaceOptions) -> Self {
+        // Grids are parted from corner 0 to corner 2.
+        let mut parted = Vec::new();
+        if options.patches == PatchKind::Pn {
+            parted = cage.second_diagonals();
+            if cage.is_quads() {
+                cage = cage.turned(&std::mem::take(&mut parted));
+            }
+        }
         let tags = &cage.tags;
         let boundary = options.boundary.or(tags.boundary).unwrap_or_default();
         let (base, mut warnings) = connect(
@@ -140,9 +168,11 @@ impl Surface {
             control: None,
             split_vertices: Vec::new(),
             tables: None,
+            patches: None,
             linear,
             linear_uv: linear || rule == FaceVaryingRule::All,
             triangles,
+            displaced: None,
             warnings,
             cage,
         };
@@ -153,7 +183,85 @@ impl Surface {
         if surface.tables.is_none() && surface.control.is_none() {
             surface.make_channels(rule, boundary);
         }
+        surface.patches = match options.patches {
+            PatchKind::None => None,
+            PatchKind::Qas => Some(PatchCage::Qas),
+            PatchKind::Pn => {
+                let (t, cage) = (&surface.mesh.base, &surface.cage);
+                let (given, tension) = (given_normals(cage), tagged_tension(cage));
+                let cage = PnCage::new(t, &cage.points, given, tension, parted);
+                Some(PatchCage::Pn(Box::new(cage)))
+            }
+        };
         surface
+    }
+
+    /// Sets the tension of every vertex under [`PatchKind::Pn`]: from 0, which leaves the surface flat around it, to 1, which is the default but at
+    /// tagged corners. Means nothing to other surfaces.
+    ///
+    /// # Errors
+    /// [`CageError`](crate::mesh::CageError) unless there is one per vertex, all of them finite.
+    pub fn set_tension(&mut self, tension: &[f32]) -> Result<(), crate::mesh::CageError> {
+        use crate::mesh::CageError;
+        if tension.len() != self.cage.points.len() {
+            return Err(CageError::WrongCount {
+                what: "tensions",
+                got: tension.len(),
+                wanted: self.cage.points.len(),
+            });
+        }
+        if let Some(vertex) = tension.iter().position(|t| !t.is_finite()) {
+            return Err(CageError::NotFinite { vertex });
+        }
+        if let Some(PatchCage::Pn(pn)) = &mut self.patches {
+            let tension = tension.iter().map(|&t| math::saturate(t)).collect();
+            pn.set_tension(&self.mesh.base, &self.cage.points, tension);
+        }
+        Ok(())
+    }
+
+    /// Leaves PN triangles with the cage's own normals, which differ along creases alone: elsewhere nobody keeps sides together that move apart.
+    fn forget_given_normals(&mut self) {
+        if let Some(PatchCage::Pn(pn)) = &mut self.patches {
+            pn.move_points(&self.mesh.base, &self.cage.points);
+        }
+    }
+
+    /// The patches that are diced in place of the limit surface.
+    #[must_use]
+    pub fn patch_kind(&self) -> PatchKind {
+        match &self.patches {
+            None => PatchKind::None,
+            Some(PatchCage::Qas) => PatchKind::Qas,
+            Some(PatchCage::Pn(_)) => PatchKind::Pn,
+        }
+    }
+
+    /// Point and unit normal of the patches at parameter (`u`, `v`) of face `q` of [`Surface::quads`]; nothing where there are no patches or no
+    /// such face. Parameters of triangles lie where v is at most u.
+    #[must_use]
+    pub fn patch_point(&self, q: u32, u: f32, v: f32) -> Option<([f32; 3], [f32; 3])> {
+        self.patches.as_ref()?;
+        if q as usize >= self.quads().face_count() {
+            return None;
+        }
+        self.ensure(0);
+        let mut patch = QuadPatch::default();
+        patch.prepare_points(self, q, 0, None, Sides::Normals);
+        Some(patch.patch_at(u, v))
+    }
+
+    /// Point and unit normal at corner `h` of the faces that are diced.
+    pub(crate) fn corner_point(&self, h: u32) -> ([f32; 3], [f32; 3]) {
+        if let Some(PatchCage::Pn(cage)) = &self.patches {
+            let corners = if self.triangles { 3 } else { 4 };
+            let [u, v] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][(h % corners) as usize];
+            let mut patches = FacePatches::default();
+            let (t, points) = (&self.mesh.base, &self.cage.points);
+            patches.take(cage, t, points, h / corners, self.is_split(), 0);
+            return patches.at(u, v);
+        }
+        self.fan_limit(self.quads().fan(h))
     }
 
     /// Channels of a cage without creases.
@@ -269,26 +377,43 @@ impl Surface {
 
     /// Makes what dicing at `level` of the quads needs. To be called once, before threads dice.
     pub(crate) fn ensure(&self, level: u32) {
-        if let Some(control) = &self.control {
-            control.ensure(level);
-        }
-        if let Some(tables) = &self.tables {
-            tables.ensure(level);
+        for level in self.levels_of(level) {
+            if let Some(control) = &self.control {
+                control.ensure(level);
+            }
+            if let Some(tables) = &self.tables {
+                tables.ensure(level);
+            }
         }
     }
 
-    /// The same within a budget.
+    /// The levels that dicing at one asks for: patches are fitted to points of level 1.
+    fn levels_of(&self, level: u32) -> impl Iterator<Item = u32> {
+        let fitted = matches!(self.patches, Some(PatchCage::Qas)) && level != 1;
+        std::iter::once(level).chain(fitted.then_some(1))
+    }
+
+    /// Makes the control levels that evaluation has for all faces at once, in about so many bytes.
+    pub(crate) fn ensure_evaluation(&self, bytes: u128) {
+        if let Some(control) = &self.control {
+            control.ensure_evaluation(bytes);
+        }
+    }
+
+    /// As [`Surface::ensure`], within a budget.
     ///
     /// # Errors
     /// What is to be made would not fit; nothing is allocated for it then.
     pub(crate) fn try_ensure(&self, level: u32, budget: &mut Budget<'_>) -> Result<(), LimitError> {
-        if let Some(control) = &self.control {
-            control.try_ensure(level, budget)?;
+        for level in self.levels_of(level) {
+            if let Some(control) = &self.control {
+                control.try_ensure(level, budget)?;
+            }
+            if let Some(tables) = &self.tables {
+                tables.try_ensure(level, budget)?;
+            }
         }
-        match &self.tables {
-            Some(tables) => tables.try_ensure(level, budget),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// Whether the surface has a channel.
@@ -317,9 +442,25 @@ impl Surface {
         Some([corner(0), corner(1), corner(2), corner(3)])
     }
 
+    /// Topology of the texture coordinates of the quads, cut at seams.
+    fn uv_topology(&self) -> Option<&Topology> {
+        if let Some(tables) = &self.tables {
+            return tables.root(Kind::Uvs).map(|mesh| &mesh.topology);
+        }
+        if let Some(control) = &self.control {
+            return control.root(Kind::Uvs).map(|mesh| &mesh.topology);
+        }
+        self.uv.as_ref().map(QuadMesh::quads)
+    }
+
     /// A walk to single points of an interpolating surface, or to texture coordinates.
     pub(crate) fn walk(&self, kind: Kind) -> Option<Walk<'_>> {
         self.tables.as_ref()?.walk(kind)
+    }
+
+    /// Whether faces are patches without control levels: nothing has to be made before they are evaluated.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.control.is_none() && self.tables.is_none()
     }
 
     /// The control levels below a channel.
@@ -426,6 +567,10 @@ impl Surface {
         } else {
             self.mesh.update(points, true);
         }
+        if let Some(PatchCage::Pn(pn)) = &mut self.patches {
+            pn.move_points(&self.mesh.base, &self.cage.points);
+        }
+        self.update_displacement();
         Ok(())
     }
 
@@ -513,15 +658,23 @@ impl Surface {
     }
     /// [`Surface::quads`] as they hang together, infinite creases not cut open. Faces and half-edges have the same numbers.
     pub(crate) fn whole_quads(&self) -> &Topology {
+        if let Some(tables) = &self.tables {
+            return tables.whole();
+        }
         match &self.control {
             Some(control) => control.whole(),
             None => self.mesh.quads(),
         }
     }
 
-    /// Whether faces are quads with control points of their own, not triangles and not tables of an interpolating scheme.
-    pub(crate) fn has_quads(&self) -> bool {
-        !self.triangles && self.tables.is_none()
+    /// Whether faces are diced by tables, which are made for one level at a time.
+    pub(crate) fn has_tables(&self) -> bool {
+        self.tables.is_some()
+    }
+
+    /// By how many steps the whole mesh is refined before tables of `level` are applied, once those are made.
+    pub(crate) fn table_depth(&self, level: u32) -> Option<u32> {
+        Some(self.tables.as_ref()?.table_bytes(level)?.2)
     }
 
     /// The ears of the quads, in the layout of the published buffers.
@@ -604,7 +757,7 @@ impl Surface {
         for bv in 0..blocks {
             let first = if self.triangles { bv } else { 0 };
             for bu in first..blocks {
-                patch.dice(bu, bv, &mut points, Some(&mut normals));
+                patch.dice(self, bu, bv, &mut points, Some(&mut normals));
                 if let Some(uvs) = uvs.as_deref_mut() {
                     patch.dice_uvs(bu, bv, uvs);
                 }
@@ -688,6 +841,30 @@ fn scheme_of(cage: &Cage, options: &SurfaceOptions, warnings: &mut Vec<TopologyW
         (None, None) if cage.face_count() > 0 => Scheme::Loop,
         (None, _) => Scheme::CatmullClark,
     }
+}
+
+/// Unit normals of the file at every corner, where it has any; not numbers at corners without.
+fn given_normals(cage: &Cage) -> Vec<[f32; 3]> {
+    let of = |&n: &u32| {
+        let normal = cage.normals.get(n as usize);
+        let unit = normal.and_then(|&n| math::normalize(n));
+        unit.unwrap_or([f32::NAN; 3])
+    };
+    cage.corner_normals.iter().map(of).collect()
+}
+
+/// Tension by the sharpness of corners: 0 where it is infinite. Empty where all are 1.
+fn tagged_tension(cage: &Cage) -> Vec<f32> {
+    if cage.tags.corners.is_empty() {
+        return Vec::new();
+    }
+    let mut out = vec![1.0; cage.points.len()];
+    for corner in &cage.tags.corners {
+        if let Some(tension) = out.get_mut(corner.vertex as usize) {
+            *tension = math::saturate(1.0 - corner.sharpness / INFINITE_SHARPNESS);
+        }
+    }
+    out
 }
 
 fn uv_points(cage: &Cage) -> Vec<[f32; 3]> {

@@ -6,11 +6,13 @@ mod coverage;
 
 use earmark::frame::Refinement;
 use earmark::frame::coverage::CoverageFault;
+use earmark::scheme::Scheme;
 use earmark::tessellate::Flatness;
 use earmark::{Cage, Scene, Surface, SurfaceOptions};
 
-/// A closed torus of `4 n` by `n` quads, one side flat, with infinite creases around, a dart, and some that fade.
-fn creased(n: u32) -> Scene {
+/// A closed torus of `4 n` by `n` quads, or twice as many triangles, one side flat. With infinite creases around, a dart, and some that fade
+/// if `creased`.
+fn torus(n: u32, scheme: Scheme, creased: bool) -> Scene {
     let (m, turn) = (4 * n, std::f32::consts::TAU);
     let at = |i: u32, j: u32| (i % m) * n + j % n;
     let mut cage = Cage::builder();
@@ -22,29 +24,61 @@ fn creased(n: u32) -> Scene {
     });
     cage = cage.points(points);
     for (i, j) in (0..m).flat_map(|i| (0..n).map(move |j| (i, j))) {
-        cage = cage.face([at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]);
+        let quad = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+        // Diagonals both ways, so that valences are unequal.
+        match (scheme.is_triangular(), (i * j) % 3) {
+            (false, _) => cage = cage.face(quad),
+            (true, 0) => {
+                cage = cage.face([quad[0], quad[1], quad[2]]);
+                cage = cage.face([quad[0], quad[2], quad[3]]);
+            }
+            (true, _) => {
+                cage = cage.face([quad[1], quad[2], quad[3]]);
+                cage = cage.face([quad[3], quad[0], quad[1]]);
+            }
+        }
     }
-    for i in 0..m {
+    for i in (0..m).filter(|_| creased) {
         cage = cage.crease(at(i, 0), at(i + 1, 0), 10.0);
         cage = cage.crease(at(i, n / 2), at(i + 1, n / 2), 0.3 * (i % 9) as f32);
     }
-    for j in 1..3 {
+    for j in (1..3).filter(|_| creased) {
         cage = cage.crease(at(2, j), at(2, j + 1), 10.0);
     }
-    Scene::of(Surface::new(
-        cage.build().unwrap(),
-        &SurfaceOptions::default(),
-    ))
+    let options = SurfaceOptions {
+        scheme: Some(scheme),
+        ..SurfaceOptions::default()
+    };
+    Scene::of(Surface::new(cage.build().unwrap(), &options))
+}
+
+/// Tori under all schemes, with and without creases where the scheme has fading ones.
+fn tori() -> Vec<(String, Scene)> {
+    let all = [
+        (Scheme::CatmullClark, true),
+        (Scheme::Bilinear, false),
+        (Scheme::Loop, false),
+        (Scheme::Loop, true),
+        (Scheme::Butterfly, false),
+        (Scheme::Kobbelt, false),
+        (Scheme::Kobbelt, true),
+    ];
+    let name = |scheme: Scheme, creased: bool| format!("{scheme:?} torus, creased: {creased}");
+    all.map(|(scheme, creased)| (name(scheme, creased), torus(6, scheme, creased)))
+        .into()
 }
 
 #[test]
 fn closed_models_have_as_many_fronts_as_backs_at_every_tolerance() {
     let (mut samples, mut covered, mut triangles) = (0, 0, 0);
-    let mut scenes = vec![("creased".to_owned(), creased(6))];
+    let mut scenes = tori();
     for path in common::models(&common::assets()) {
         scenes.push((path.display().to_string(), common::load(&path)));
     }
     scenes.retain(|(_, scene)| common::is_closed(&scene.objects[0].surface));
+    if let Ok(only) = std::env::var("ONLY") {
+        scenes.retain(|(name, _)| name.contains(&only));
+    }
     for (name, scene) in &scenes {
         for pixels in [0.05, 0.25, 1.0, 4.0, 30.0] {
             let mut renderer = coverage::renderer(160, 0);
@@ -76,21 +110,24 @@ fn closed_models_have_as_many_fronts_as_backs_at_every_tolerance() {
 #[test]
 fn triangles_are_as_close_to_the_surface_as_asked_for() {
     let (mut worst, mut bent, mut views) = (0.0_f32, 0.0_f32, 0);
+    let mut scenes = tori();
     for path in common::models(&common::assets()) {
-        let scene = common::load(&path);
+        scenes.push((common::name(&path), common::load(&path)));
+    }
+    for (name, scene) in &scenes {
         for pixels in [0.25, 1.0] {
             let mut renderer = coverage::renderer(512, 0);
             renderer.refinement = Refinement::Adaptive(Flatness {
                 pixels,
                 ..Flatness::default()
             });
-            for view in coverage::views(&scene, &renderer, 3, 11) {
-                let d = renderer.deviation(&scene, &view, 2).unwrap();
-                let what = format!("{} at {pixels} pixels: {d:?}", path.display());
+            for view in coverage::views(scene, &renderer, 3, 11) {
+                let d = renderer.deviation(scene, &view, 2).unwrap();
+                let what = format!("{name} at {pixels} pixels: {d:?}");
                 assert!(d.pixels <= pixels, "{what}");
                 // Folds of a pixel's width, and corners where the surface has no tangent plane, bend as they like.
-                let bends = ["creature.obj", "part_creased.obj"];
-                let smooth = !bends.iter().any(|name| path.ends_with(name));
+                let bends = ["creature", "part_creased", "torus, creased: true"];
+                let smooth = !bends.iter().any(|bend| name.ends_with(bend));
                 assert!(!smooth || d.degrees <= 3.0, "{what}");
                 worst = worst.max(d.pixels / pixels);
                 bent = bent.max(d.degrees);

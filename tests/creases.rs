@@ -136,6 +136,7 @@ fn random_cages_agree_with_refinement_under_every_combination_of_rules() {
             let random = make(i);
             let case = &random.case;
             let options = SurfaceOptions {
+                patches: Default::default(),
                 scheme: Some(case.options.scheme),
                 boundary: Some(case.boundary),
                 creases: Some(case.options.creases),
@@ -194,6 +195,7 @@ fn points_of_a_level_are_among_those_of_the_next() {
             let random = make(i);
             let case = &random.case;
             let options = SurfaceOptions {
+                patches: Default::default(),
                 scheme: Some(case.options.scheme),
                 boundary: Some(case.boundary),
                 creases: Some(case.options.creases),

@@ -26,15 +26,25 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "patch",
+        &[
+            "math", "simd", "records", "scheme", "topology", "dice", "dispatch",
+        ],
+    ),
+    (
         "surface",
         &[
-            "math", "simd", "records", "limits", "scheme", "topology", "mesh", "refine", "dice",
-            "control", "Cage", "Surface",
+            "patch", "math", "simd", "records", "limits", "scheme", "topology", "mesh", "refine",
+            "dice", "control", "Cage", "Surface",
         ],
     ),
     (
         "evaluate",
         &["math", "control", "dice", "surface", "Surface"],
+    ),
+    (
+        "distance",
+        &["math", "mesh", "patch", "surface", "evaluate"],
     ),
     (
         "stream",
@@ -62,6 +72,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "frame",
         &[
             "tessellate",
+            "patch",
+            "evaluate",
             "math",
             "simd",
             "dispatch",
@@ -87,7 +99,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "load",
         &[
-            "files", "frame", "mesh", "shade", "surface", "texture", "limits", "scheme",
+            "files", "frame", "mesh", "patch", "shade", "surface", "texture", "topology", "limits",
+            "scheme",
         ],
     ),
 ];

@@ -49,6 +49,7 @@ fn shapes(shared: &Path) -> Vec<Shape> {
     for line in table.lines().skip(1) {
         let columns: Vec<&str> = line.split('\t').collect();
         let options = SurfaceOptions {
+            patches: Default::default(),
             scheme: Some(match columns[1] {
                 "catmull-clark" => Scheme::CatmullClark,
                 "bilinear" => Scheme::Bilinear,
@@ -76,6 +77,7 @@ fn shapes(shared: &Path) -> Vec<Shape> {
                 "smooth" => TriangleRule::Smooth,
                 _ => TriangleRule::Catmark,
             }),
+            ..SurfaceOptions::default()
         };
         if columns[6] == "plain" {
             let name = columns[0].to_owned();

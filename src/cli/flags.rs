@@ -3,14 +3,15 @@
 use clap::{Args, ValueEnum};
 use earmark::frame::{Drawing, Refinement, Renderer};
 use earmark::mesh::obj::UpAxis as FileUp;
+use earmark::patch::PatchKind;
 use earmark::raster::MAX_SCREEN;
 use earmark::scheme;
 use earmark::shade::ShadeMode;
 use earmark::surface::SurfaceOptions;
-use earmark::tessellate::Flatness;
+use earmark::tessellate::{self, DepthTags, Flatness};
 use earmark::topology::{ConnectOptions, Topology, TopologyWarning, connect};
 use earmark::{Cage, Camera};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// `auto`, `always` or `never`.
@@ -179,6 +180,7 @@ impl ModelFlags {
                 FaceVarying::Boundaries => scheme::FaceVaryingRule::Boundaries,
                 FaceVarying::All => scheme::FaceVaryingRule::All,
             }),
+            ..SurfaceOptions::default()
         }
     }
     /// The flag, else the file, else the default.
@@ -218,6 +220,18 @@ pub(crate) enum SurfaceKind {
     Refined,
     /// The polygons as given
     Cage,
+    /// Quadratic patches through points of the limit surface
+    Qas,
+    /// Curved PN triangles over the polygons
+    Pn,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Pattern {
+    /// Uniform inside; triangles at deeper edges are split
+    Split,
+    /// Coarser and finer over a distance, triangles near to equilateral
+    Equilateral,
 }
 
 /// What of the surface is drawn, and how finely.
@@ -227,12 +241,24 @@ pub(crate) struct LevelFlags {
     /// What is drawn
     #[arg(long, value_enum, default_value = "limit")]
     pub(crate) surface: SurfaceKind,
+    /// Tension of --surface pn: a text file with one number per vertex of the model, from 0 (flat around it) to 1, one a line or several,
+    /// # begins a comment [default: 1; at corners tagged with sharpness S, 1 − S/10]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) pn_tags: Option<PathBuf>,
     /// Uniform level of refinement, 0 to 10 [default: per model, from the length of its edges in pixels]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: Option<u32>,
     /// Largest distance of triangles from the limit surface on the screen, in pixels; edge by edge and block by block; on Catmull-Clark and bilinear surfaces
     #[arg(long, value_name = "PX", value_parser = parse_flatness, conflicts_with = "level")]
     pub(crate) adaptive: Option<f32>,
+    /// Depth of refinement at every vertex of the cage, 0 to 10, that of an edge being the mean of its two: `distance` (edges of 5 pixels),
+    /// `curvature` (normals turn by 4 degrees along an edge), `distance+curvature` (the lesser of the two), or a file of integers, one per
+    /// vertex in the model's order, with white space between them and comments from # on; --max-level does not matter
+    #[arg(long, value_name = "SOURCE", conflicts_with_all = ["level", "adaptive"])]
+    pub(crate) depth_tags: Option<PathBuf>,
+    /// With --depth-tags: how triangles join edges of unequal depths [default: grids whose points beside a coarser edge are moved to its own]
+    #[arg(long, value_enum, requires = "depth_tags")]
+    pub(crate) pattern: Option<Pattern>,
     /// Highest level that is chosen without --level, 0 to 10
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) max_level: u32,
@@ -241,13 +267,31 @@ pub(crate) struct LevelFlags {
 impl LevelFlags {
     pub(crate) fn drawing(&self) -> Drawing {
         match self.surface {
-            SurfaceKind::Limit => Drawing::Limit,
+            SurfaceKind::Limit | SurfaceKind::Qas | SurfaceKind::Pn => Drawing::Limit,
             SurfaceKind::Refined => Drawing::Refined,
             SurfaceKind::Cage => Drawing::Cage,
         }
     }
+    /// What is diced in place of the limit surface.
+    pub(crate) fn patches(&self) -> PatchKind {
+        match self.surface {
+            SurfaceKind::Qas => PatchKind::Qas,
+            SurfaceKind::Pn => PatchKind::Pn,
+            _ => PatchKind::None,
+        }
+    }
     pub(crate) fn refinement(&self) -> Refinement {
         let max_level = self.max_level;
+        if let Some(tags) = self.tag_source() {
+            let pattern = self.pattern.map(|p| match p {
+                Pattern::Split => tessellate::Pattern::Split,
+                Pattern::Equilateral => tessellate::Pattern::Equilateral,
+            });
+            return Refinement::DepthTags(DepthTags {
+                pattern,
+                ..tags.unwrap_or(DepthTags::GIVEN)
+            });
+        }
         match (self.level, self.adaptive) {
             (Some(level), _) => Refinement::Uniform(level),
             (None, Some(pixels)) => Refinement::Adaptive(Flatness {
@@ -256,6 +300,26 @@ impl LevelFlags {
                 ..Flatness::default()
             }),
             (None, None) => Refinement::ByEdgeLength { max_level },
+        }
+    }
+}
+
+impl LevelFlags {
+    /// What `--depth-tags` says: tags that are computed, or `None` for a file.
+    fn tag_source(&self) -> Option<Option<DepthTags>> {
+        let named = match self.depth_tags.as_ref()?.to_str() {
+            Some("distance") => Some(DepthTags::by_distance()),
+            Some("curvature") => Some(DepthTags::by_curvature()),
+            Some("distance+curvature") => Some(DepthTags::by_distance_and_curvature()),
+            _ => None,
+        };
+        Some(named)
+    }
+    /// The file of `--depth-tags`.
+    pub(crate) fn tag_file(&self) -> Option<&Path> {
+        match self.tag_source()? {
+            Some(_) => None,
+            None => self.depth_tags.as_deref(),
         }
     }
 }
@@ -332,6 +396,10 @@ pub(crate) struct PictureFlags {
     /// Picture (PNG or JPEG) that colours the surface in place of the materials' maps
     #[arg(long, value_name = "IMAGE")]
     pub(crate) color_map: Option<PathBuf>,
+    /// Normal map (PNG or JPEG, 8 or 16 bits) in place of the materials' normal and bump maps: tangent space as MikkTSpace has it, x along u,
+    /// y along v, so green points up
+    #[arg(long, value_name = "IMAGE")]
+    pub(crate) normal_map: Option<PathBuf>,
 }
 
 impl PictureFlags {

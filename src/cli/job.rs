@@ -1,11 +1,11 @@
 //! What every verb works with: limits, clocks, threads, the models it loads, and the outputs it stages.
 
 use super::exit::{Code, Failure};
-use super::flags::{ModelFlags, RunningFlags, scheme_name};
+use super::flags::{LevelFlags, ModelFlags, RunningFlags, scheme_name};
 use super::messages::{note, warning};
+use super::pn_tags::PnTags;
 use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, reserved_bytes};
 use super::watch::{self, Phase};
-use earmark::Scene;
 use earmark::files::{self, AtomicFile, FolderResolver};
 use earmark::frame::Object;
 use earmark::limits::{Limits, Progress};
@@ -14,6 +14,9 @@ use earmark::mesh::resolver::{NoFiles, Resolver};
 use earmark::mesh::{Cage, obj};
 use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
+use earmark::tessellate::depth_tags;
+use earmark::topology::{Topology, TopologyWarning};
+use earmark::{Scene, SurfaceOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -116,24 +119,31 @@ impl Job {
         &mut self,
         models: &[PathBuf],
         flags: &ModelFlags,
+        level: &LevelFlags,
     ) -> Result<Scene, Failure> {
         watch::phase(Phase::Reading);
+        let tags = PnTags::of(level, models.len())?;
         let mut loader = Loader::new(LoadOptions {
-            surface: flags.surface(),
+            surface: SurfaceOptions {
+                patches: level.patches(),
+                ..flags.surface()
+            },
             ..LoadOptions::default()
         });
         loader.options_mut().read.up = flags.file_up();
         for model in models {
             self.limits().check()?;
-            let (cage, name, mut resolver) = self.time("read", |job| {
+            let (read, name, mut resolver) = self.time("read", |job| {
                 let (bytes, name, mut resolver) = job.read_bytes(model, flags)?;
                 if let Some(left) = job.memory_left() {
                     loader.options_mut().read.max_bytes = left;
                 }
                 let read = loader.read(&bytes, &name, resolver.as_mut())?;
-                let cage = suitable(read, &bytes, &name, flags, flags.triangulate)?.cage;
-                Ok::<_, Failure>((cage, name, resolver))
+                let read = suitable(read, &bytes, &name, flags, flags.triangulate)?;
+                Ok::<_, Failure>((read, name, resolver))
             })?;
+            let obj::Read { cage, report, .. } = read;
+            let faces = cage.face_count();
             self.limits().check()?;
             note(&format!(
                 "{name}: {} faces, {} vertices; scheme {}",
@@ -144,11 +154,15 @@ impl Job {
             if let Some(left) = self.memory_left() {
                 loader.options_mut().max_surface = left;
             }
-            self.time("connect", |_| {
-                loader.add_cage(cage, &name, resolver.as_mut())
+            self.time("connect", |job| {
+                let line = |face| job.line_of_face(model, flags, (&report, faces), face);
+                loader.add_cage_of_lines(cage, &name, resolver.as_mut(), &line)
             })?;
         }
-        let (scene, warnings) = loader.finish();
+        let (mut scene, warnings) = loader.finish();
+        if let Some(tags) = tags {
+            self.time("read", |job| tags.apply(&mut scene, job.memory_left()))?;
+        }
         for w in &warnings {
             warning(w);
         }
@@ -162,6 +176,34 @@ impl Job {
             ));
         }
         Ok(scene)
+    }
+
+    /// Reads the file of `--depth-tags`, if it is one, for the one model of a scene.
+    pub(crate) fn read_depth_tags(
+        &mut self,
+        scene: &mut Scene,
+        flags: &LevelFlags,
+    ) -> Result<(), Failure> {
+        /// Bytes of a tag with its line, and of what may stand between: more is no file of tags.
+        const PER_TAG: u64 = 64;
+        let Some(path) = flags.tag_file() else {
+            return Ok(());
+        };
+        let [object] = scene.objects.as_mut_slice() else {
+            return Err(Failure::usage(
+                "a file of --depth-tags belongs to one model; draw models one by one",
+            ));
+        };
+        let vertices = object.surface.cage().points().len();
+        self.time("read", |job| {
+            let most = (vertices as u64 * PER_TAG).max(1 << 16);
+            let most = most.min(job.memory_left().unwrap_or(u64::MAX));
+            let text = files::read_model(path, most)?;
+            let name = obj::escape(path.as_os_str().as_encoded_bytes(), 1024);
+            object.depth_tags = depth_tags::parse(&text, &name, vertices)
+                .map_err(|e| Failure::new(Code::Data, e.to_string()))?;
+            Ok(())
+        })
     }
 
     /// Reads one model as it stands, with all that the reader has to say. A scheme of the flags that takes triangles only wants to find
@@ -185,6 +227,45 @@ impl Job {
             let read = obj::read(&bytes, &name, resolver.as_mut(), &options)?;
             suitable(read, &bytes, &name, flags, any_faces)
         })
+    }
+
+    /// Warnings about a model, with lines where they are about faces.
+    pub(crate) fn said(
+        &self,
+        model: &Path,
+        flags: &ModelFlags,
+        read: &obj::Read,
+        (t, warnings): (&Topology, &[TopologyWarning]),
+    ) -> Vec<String> {
+        let name = obj::escape(model.as_os_str().as_encoded_bytes(), 1024);
+        let of = (&read.report, read.cage.face_count());
+        let place = |w: &TopologyWarning| {
+            w.face(t)
+                .and_then(|face| self.line_of_face(model, flags, of, face))
+        };
+        let said = |w: &TopologyWarning| match place(w) {
+            Some(line) => format!("{name}:{line}: {w}"),
+            None => format!("{name}: {w}"),
+        };
+        warnings.iter().map(said).collect()
+    }
+
+    /// The line of a face of a model that was read with `report` into so many faces. The text is not kept: it is read once more, and where
+    /// that is not possible, or triangles took the place of its faces, there is no line.
+    fn line_of_face(
+        &self,
+        model: &Path,
+        flags: &ModelFlags,
+        (report, faces): (&obj::Report, usize),
+        face: u32,
+    ) -> Option<usize> {
+        if model.as_os_str() == "-" || faces + report.dropped_faces.len() != report.faces {
+            return None;
+        }
+        let (bytes, ..) = self.read_bytes(model, flags).ok()?;
+        // But for a byte-order mark.
+        let same = matches!(bytes.len().checked_sub(report.bytes), Some(0 | 3));
+        same.then(|| obj::line_of_face(&bytes, report, face))?
     }
 
     /// Opens a model.

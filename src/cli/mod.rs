@@ -2,11 +2,15 @@
 
 mod bench;
 mod bench_evaluate;
+mod bench_paper;
+mod bench_patches;
+mod displace;
 mod exit;
 mod flags;
 mod info;
 mod job;
 mod messages;
+mod pn_tags;
 mod refine;
 mod render;
 mod stats;

@@ -4,7 +4,9 @@
 use super::source::SourceScratch;
 use super::{Frame, RenderError, Renderer, Scene};
 use crate::camera::View;
-use crate::raster::{Coverage, Fault, Path, ProjectedBlock, Tile, draw_block_with, project};
+use crate::raster::{
+    Coverage, Fault, Path, ProjectedBlock, Tile, draw_block_with, draw_list_with, project,
+};
 use crate::records::Grid3;
 use rayon::prelude::*;
 
@@ -88,7 +90,12 @@ fn tile_coverage(frame: &Frame<'_>, tile: usize, fault: CoverageFault) -> Signed
             if fault == CoverageFault::MovedCorner && item % 7 == 3 {
                 projected.nudge(0, 0, 1);
             }
-            draw_block_with(frame.simd, &mut cells, &projected, 0, Path::Auto, rule);
+            match source.list(local) {
+                Some(list) => {
+                    draw_list_with(frame.simd, &mut cells, &projected, list, 0, rule);
+                }
+                None => draw_block_with(frame.simd, &mut cells, &projected, 0, Path::Auto, rule),
+            }
         }
     }
     let mut out = SignedCoverage::default();

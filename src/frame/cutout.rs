@@ -2,9 +2,9 @@
 //! visibility, so it does not depend on the order of drawing.
 
 use super::Frame;
-use super::shading::interpolate;
+use super::spot::{Listed, Quad, Spot, draw};
 use super::tile::Scratch;
-use crate::raster::{Cell, Key, Tile, barycentrics, draw_block};
+use crate::raster::{Cell, Key, Tile};
 use crate::records::SampleId;
 use crate::texture::Texture;
 
@@ -32,23 +32,32 @@ impl Cell for Layers {
 }
 
 /// Draws the block that stands in the scratch buffers, with its texture coordinates and footprints, through its opacity map.
-pub(super) fn draw_cutout(frame: &Frame<'_>, s: &mut Scratch, map: &Texture, rank: u32) {
+pub(super) fn draw_cutout(
+    frame: &Frame<'_>,
+    s: &mut Scratch,
+    list: Option<&[[u16; 3]]>,
+    map: &Texture,
+    rank: u32,
+) {
     let ([x0, y0], [width, height]) = (s.tile.origin(), s.tile.size());
     let samples = frame.size.samples;
     let layers = s
         .layers
         .get_or_insert_with(|| Tile::new(0, 0, 0, 0, samples));
     layers.place(x0, y0, width, height, samples);
-    draw_block(frame.simd, layers, &s.projected, rank);
+    draw(frame.simd, layers, &s.projected, list, rank);
     for sample in 0..samples {
         for y in 0..height {
             for x in 0..width {
                 for key in layers.cell(x, y, sample).0 {
                     let Some(id) = key.id() else { break };
-                    let w = barycentrics(&s.projected, id, x0 + x, y0 + y, sample, samples);
-                    let at = |g: &[f32]| interpolate(g, id, w);
-                    let (u, v) = (at(&s.attributes.uvs.x), at(&s.attributes.uvs.y));
-                    if map.opacity(u, v, map.lod(at(&s.footprint))) >= 0.5 {
+                    let at = [x0 + x, y0 + y, sample];
+                    let mix = |g: &[f32]| match list {
+                        None => Quad::new(&s.projected, id, at, samples).mix(g),
+                        Some(list) => Listed::new(&s.projected, list, id, at, samples).mix(g),
+                    };
+                    let (u, v) = (mix(&s.attributes.uvs.x), mix(&s.attributes.uvs.y));
+                    if map.opacity(u, v, map.lod(mix(&s.footprint))) >= 0.5 {
                         s.tile.merge(x, y, sample, key);
                         break;
                     }

@@ -1,11 +1,14 @@
-//! How far what is drawn is from the limit surface on the screen: the drawn triangles against the surface at the same parameters. Tests and
+//! How far what is drawn is from the limit surface, or from its patches, on the screen: the drawn triangles against the surface at the same parameters. Tests and
 //! benchmarks hold adaptive tessellation against this, on the very blocks that pictures are made of.
 
 use super::source::{Attributes, Source, SourceScratch};
 use super::{Frame, RenderError, Renderer, Scene};
 use crate::camera::View;
+use crate::evaluate::Sample;
 use crate::math;
+use crate::patch::PatchKind;
 use crate::records::Grid3;
+use crate::surface::Surface;
 use rayon::prelude::*;
 
 /// Largest distances of one view.
@@ -41,7 +44,8 @@ impl Deviation {
 }
 
 impl Renderer {
-    /// Measures the drawn triangles of all surfaces of quads, at `steps` places along their sides and those between.
+    /// Measures the drawn triangles, at `steps` places along their sides and those between. Interpolating surfaces are known at dyadic
+    /// places alone: `steps` should be a power of two.
     ///
     /// # Errors
     /// As [`Renderer::render_view`].
@@ -73,6 +77,65 @@ impl Renderer {
     }
 }
 
+/// A block as it is drawn.
+#[derive(Clone, Debug, Default)]
+pub struct DrawnBlock {
+    /// Object of the scene, and quad of its surface.
+    pub quad: (u32, u32),
+    /// Level of its points.
+    pub level: u32,
+    /// Points in a row.
+    pub columns: usize,
+    /// Parameters of its points in the quad, row by row.
+    pub places: Vec<[f32; 2]>,
+    /// The points.
+    pub points: Vec<[f32; 3]>,
+}
+
+impl DrawnBlock {
+    /// Micro-triangles of three different points, as numbers of theirs.
+    pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
+        let n = self.columns;
+        let quads = (0..self.points.len() - n).filter(move |k| k % n != n - 1);
+        let halves = quads.flat_map(move |k| [[k, k + 1, k + n + 1], [k, k + n + 1, k + n]]);
+        let differ = |a: usize, b: usize| self.places[a] != self.places[b];
+        halves.filter(move |&[a, b, c]| differ(a, b) && differ(b, c) && differ(c, a))
+    }
+}
+
+impl Renderer {
+    /// The blocks that a picture of `scene` is made of.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_view`].
+    pub fn drawn_blocks(&self, scene: &Scene, view: &View) -> Result<Vec<DrawnBlock>, RenderError> {
+        self.with_frame(scene, view, |frame, _| {
+            let (mut scratch, mut grid) = (SourceScratch::new(frame.simd), Grid3::boxed());
+            let mut out = Vec::new();
+            for (object, source) in frame.sources.iter().enumerate() {
+                for item in (0..source.item_count()).filter(|&i| source.is_drawn(i)) {
+                    let [nu, nv] = source.blocks(item);
+                    let all = (0..nu * nv).map(|b| [b % nu, b / nu]);
+                    for block in all.filter(|&b| source.has_block(b)) {
+                        source.dice(&mut scratch, item, block, &mut grid, None);
+                        let size = source.block_size(item);
+                        let (quad, places) = source.places(item, block);
+                        let at = |k: usize| grid.get(k % size.cols, k / size.cols);
+                        out.push(DrawnBlock {
+                            quad: (object as u32, quad),
+                            level: source.level(item),
+                            columns: size.cols,
+                            points: (0..places.len()).map(at).collect(),
+                            places,
+                        });
+                    }
+                }
+            }
+            Ok(out)
+        })
+    }
+}
+
 struct Worker {
     scratch: SourceScratch,
     points: Box<Grid3>,
@@ -84,7 +147,7 @@ impl Worker {
         let mut out = Deviation::default();
         let source = frame.source_of(item);
         let local = item - source.first_item;
-        if !source.is_drawn(local) || !source.object.surface.has_quads() {
+        if !source.is_drawn(local) {
             return out;
         }
         let capped = source.level(local) >= cap;
@@ -95,6 +158,27 @@ impl Worker {
             let size = source.block_size(local);
             let (quad, places) = source.places(local, block);
             let place = |i: usize, j: usize| places[j * size.cols + i];
+            let surface = &source.object.surface;
+            let Some(mut evaluator) = surface.face_evaluator(surface.cage_face(quad)) else {
+                continue;
+            };
+            let patch = &self.scratch.patch;
+            let mut limit = |u: f32, v: f32| {
+                if surface.patch_kind() != PatchKind::None {
+                    let (position, normal) = patch.patch_at(u, v);
+                    return Some(Sample {
+                        position,
+                        normal,
+                        ..Sample::default()
+                    });
+                }
+                let [u, v] = cage_place(surface, quad, [u, v]);
+                evaluator.at_as::<Sample>(u, v)
+            };
+            if source.list(local).is_some() {
+                // Lists are not measured.
+                continue;
+            }
             for j in 0..size.rows - 1 {
                 for i in 0..size.cols - 1 {
                     for half in [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]] {
@@ -108,7 +192,7 @@ impl Worker {
                             points: at.map(|(i, j)| self.points.get(i, j)),
                             normals: at.map(|(i, j)| self.attributes.normals.get(i, j)),
                         };
-                        triangle.measure(frame, source, quad, steps, &mut out);
+                        triangle.measure(&frame.view, &mut limit, steps, &mut out);
                     }
                 }
             }
@@ -118,6 +202,30 @@ impl Worker {
             out.pixels = 0.0;
         }
         out
+    }
+}
+
+/// The parameters by which [`Surface::evaluate`] knows a place on the grid of quad `quad`.
+fn cage_place(surface: &Surface, quad: u32, [u, v]: [f32; 2]) -> [f32; 2] {
+    if surface.is_triangular() {
+        return [(u - v).max(0.0), v];
+    }
+    if !surface.is_split() {
+        return [u, v];
+    }
+    let t = surface.topology();
+    let halves = t.face_halves(t.face_of(quad));
+    let corner = quad - halves.start;
+    match (halves.len(), corner) {
+        (4, 0) => [0.5 * u, 0.5 * v],
+        (4, 1) => [1.0 - 0.5 * v, 0.5 * u],
+        (4, 2) => [1.0 - 0.5 * u, 1.0 - 0.5 * v],
+        (4, _) => [0.5 * v, 1.0 - 0.5 * u],
+        // The end of a quad is the beginning of the next one, which runs elsewhere.
+        _ => [
+            (corner as f32 + u).min((corner as f32 + 1.0).next_down()),
+            v,
+        ],
     }
 }
 
@@ -135,14 +243,12 @@ struct Triangle {
 impl Triangle {
     fn measure(
         &self,
-        frame: &Frame<'_>,
-        source: &Source<'_>,
-        quad: u32,
+        view: &View,
+        limit: &mut impl FnMut(f32, f32) -> Option<Sample>,
         steps: u32,
         out: &mut Deviation,
     ) {
         out.triangles += 1;
-        let view = &frame.view;
         let screen = |p: [f32; 3]| {
             let e = math::sub(p, view.eye);
             let z = view.distance(p);
@@ -176,7 +282,7 @@ impl Triangle {
                     sum.clamp(0.0, 1.0)
                 });
                 let (p, n) = (mix(self.points), mix(self.normals));
-                let Some(sample) = source.object.surface.evaluate_quad(quad, u, v) else {
+                let Some(sample) = limit(u, v) else {
                     continue;
                 };
                 if let (Some(p), Some(q)) = (screen(p), screen(sample.position)) {

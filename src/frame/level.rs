@@ -22,8 +22,8 @@ pub(super) fn by_edge_length(surface: &Surface, view: &View, max_level: u32) -> 
             continue;
         }
         let (a, b) = (
-            surface.fan_limit(quads.fan(h)).0,
-            surface.fan_limit(quads.fan(quads.next(h))).0,
+            surface.corner_point(h).0,
+            surface.corner_point(quads.next(h)).0,
         );
         let (da, db) = (view.distance(a), view.distance(b));
         if !view.projection.ortho && da.max(db) < view.near {

@@ -1,7 +1,7 @@
 //! A frame: order of stages, tiles over threads, and the level of each model. The only module that sees all others.
 //!
 //! ```text
-//! (flatness ─▶ blocks) quads ─ setup ─▶ screen boxes ─ bin ─▶ per tile: dice ▸ project ▸ rasterise ─▶ keys ─ dice again what is seen ▸ shade ─▶ film ─▶ pixels
+//! (flatness | depth tags ─▶ blocks) quads ─ setup ─▶ screen boxes ─ bin ─▶ per tile: dice ▸ project ▸ rasterise ─▶ keys ─ dice again what is seen ▸ shade ─▶ film ─▶ pixels
 //! ```
 //!
 //! Tiles are independent and each is drawn by one thread from its bin, whose items stand in ascending order. So the picture is the
@@ -17,6 +17,7 @@ mod level;
 mod scene;
 mod shading;
 mod source;
+mod spot;
 mod stats;
 mod tile;
 mod visible;
@@ -28,11 +29,12 @@ use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
 use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
-use crate::tessellate::{Flatness, Tessellation, flatness};
+use crate::tessellate::patterns::Pool;
+use crate::tessellate::{DepthTags, Flatness, Tessellation, depth_tags, flatness};
 use crate::texture::Texture;
 use rayon::prelude::*;
 use std::sync::Mutex;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use scene::{Object, Scene};
 pub use source::Drawing;
@@ -46,9 +48,11 @@ use tile::Scratch;
 pub enum Refinement {
     /// The same level everywhere, 0 to 10.
     Uniform(u32),
-    /// As fine as the picture asks for, edge by edge and block by block; the limit surface of quads alone. Others, and other drawings, get a
-    /// level from the length of their edges.
+    /// As fine as the picture asks for, edge by edge and block by block; the limit surface alone. Other drawings get a level from the
+    /// length of their edges.
     Adaptive(Flatness),
+    /// By integers at the vertices of the cage, 0 to 10; the limit surface alone. Other drawings get the level of their deepest edge.
+    DepthTags(DepthTags),
     /// Per model, from the length of its edges on the screen, up to a limit.
     ByEdgeLength {
         /// Highest level.
@@ -92,6 +96,7 @@ pub struct Renderer {
     /// Budgets.
     pub limits: Limits,
     scratch: ScratchPool,
+    patterns: Pool,
 }
 
 /// Buffers of threads, kept from frame to frame: fresh memory for every tile costs more than the tile.
@@ -233,6 +238,7 @@ impl Renderer {
             measure: false,
             limits: Limits::default(),
             scratch: ScratchPool::default(),
+            patterns: Pool::default(),
         }
     }
 
@@ -284,7 +290,13 @@ impl Renderer {
         let begin = Instant::now();
         let mut budget = Budget::new(&self.limits);
         let tessellations = self.tessellations(scene, view, &mut levels, &mut budget)?;
-        let flatness = begin.elapsed();
+        let spent = begin.elapsed();
+        let patterns = tessellations.iter().flatten().map(|t| t.pattern_time);
+        let patterns = patterns.sum::<Duration>();
+        let [flatness, depth_tags] = match self.refinement {
+            Refinement::DepthTags(_) => [Duration::ZERO, spent.saturating_sub(patterns)],
+            _ => [spent, Duration::ZERO],
+        };
         let flatness_bytes = tessellations
             .iter()
             .flatten()
@@ -320,7 +332,9 @@ impl Renderer {
             film: Film::new(self.mode.encoding(), self.background),
             simd: self.simd,
             leaves_out: self.leave_out,
-            wants_uvs: self.mode == ShadeMode::Uv || !scene.textures.is_empty(),
+            wants_uvs: self.mode == ShadeMode::Uv
+                || !scene.textures.is_empty()
+                || scene.objects.iter().any(Object::is_shaded_by_map),
             materials: &scene.materials,
             textures: &scene.textures,
         };
@@ -329,6 +343,8 @@ impl Renderer {
             microtriangles,
             levels,
             flatness,
+            depth_tags,
+            patterns,
             flatness_bytes,
             ..FrameStats::default()
         };
@@ -385,6 +401,11 @@ impl Renderer {
                     level::by_edge_length(&o.surface, view, max_level.min(crate::dice::MAX_LEVEL))
                 })
                 .collect()),
+            Refinement::DepthTags(wanted) => Ok(scene
+                .objects
+                .iter()
+                .map(|o| depth_tags::deepest(&o.surface, &o.tags(view, &wanted)))
+                .collect()),
         }
     }
 
@@ -399,17 +420,10 @@ impl Renderer {
         let mut out = Vec::new();
         for (object, level) in scene.objects.iter().zip(levels) {
             let surface = &object.surface;
-            let wanted = match self.refinement {
-                Refinement::Adaptive(flatness)
-                    if self.drawing == Drawing::Limit && surface.has_quads() =>
-                {
-                    flatness
-                }
-                _ => {
-                    out.push(None);
-                    continue;
-                }
-            };
+            if self.drawing != Drawing::Limit {
+                out.push(None);
+                continue;
+            }
             let is_drawn = |quad: u32, hull: &mut Vec<[f32; 3]>| {
                 let face = surface.cage_face(quad);
                 let clear = scene.materials.get(object.material(face) as usize);
@@ -418,12 +432,25 @@ impl Renderer {
                     && bounds(hull, &view.projection, self.size).is_some()
             };
             let split = u32::from(surface.is_split());
-            let wanted = Flatness {
-                max_level: wanted.max_level.saturating_sub(split),
-                ..wanted
+            let limits = &self.limits;
+            let found = match self.refinement {
+                Refinement::Adaptive(flatness) => {
+                    let wanted = Flatness {
+                        max_level: flatness.max_level.saturating_sub(split),
+                        ..flatness
+                    };
+                    flatness::tessellate(surface, view, &wanted, limits, budget, is_drawn)?
+                }
+                Refinement::DepthTags(wanted) => {
+                    let tags = object.tags(view, &wanted);
+                    let pattern = wanted.pattern.map(|p| (p, &self.patterns));
+                    depth_tags::tessellate(surface, &tags, pattern, limits, budget, is_drawn)?
+                }
+                Refinement::Uniform(_) | Refinement::ByEdgeLength { .. } => {
+                    out.push(None);
+                    continue;
+                }
             };
-            let found =
-                flatness::tessellate(surface, view, &wanted, &self.limits, budget, is_drawn)?;
             let deepest = found.leaves.iter().map(|l| u32::from(l.level)).max();
             *level = deepest.unwrap_or(0) + split;
             out.push(Some(found));

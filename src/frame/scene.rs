@@ -1,8 +1,9 @@
 //! What is drawn: surfaces with their materials, and the textures they share.
 
-use crate::camera::Sphere;
+use crate::camera::{Sphere, View};
 use crate::shade::{NO_MATERIAL, SurfaceMaterial};
 use crate::surface::Surface;
+use crate::tessellate::{DepthTags, depth_tags};
 use crate::texture::Texture;
 
 /// One model of a scene.
@@ -12,6 +13,9 @@ pub struct Object {
     pub surface: Surface,
     /// First of its materials in the scene's list; face materials of the cage count from there.
     pub first_material: u32,
+    /// Depth tags of the cage's vertices, 0 to 10, for [`Refinement::DepthTags`](super::Refinement::DepthTags); vertices beyond its end
+    /// have none, which is 0.
+    pub depth_tags: Vec<u8>,
 }
 
 /// Models, materials and textures.
@@ -53,19 +57,33 @@ impl Scene {
         self.objects.push(Object {
             surface,
             first_material,
+            depth_tags: Vec::new(),
         });
     }
 
-    /// A sphere around the limit points of all models, for framing.
+    /// A sphere around the limit points of all models, for framing; with displacement, larger by as far as points move.
     #[must_use]
     pub fn bounding_sphere(&self) -> Sphere {
+        let mut sphere = self.limit_sphere();
+        let reach = |o: &Object| f64::from(o.surface.displacement_reach());
+        sphere.radius += self.objects.iter().map(reach).fold(0.0, f64::max);
+        sphere
+    }
+
+    fn limit_sphere(&self) -> Sphere {
         Sphere::of_points(self.objects.iter().flat_map(|o| {
             let quads = o.surface.quads();
             let drawn = move |h: &u32| !quads.is_hole(quads.face_of(*h));
             (0..quads.half_count() as u32)
                 .filter(drawn)
-                .map(move |h| o.surface.fan_limit(quads.fan(h)).0)
+                .map(move |h| o.surface.corner_point(h).0)
         }))
+    }
+
+    /// Whether anything has finer normals than its surface.
+    pub(super) fn has_relief(&self) -> bool {
+        let mut all = self.materials.iter().chain(&self.default_material);
+        all.any(|m| m.relief.is_some())
     }
 
     /// Faces of all cages.
@@ -79,6 +97,18 @@ impl Scene {
 }
 
 impl Object {
+    /// Whether its normals come from the slopes of a map, pixel by pixel.
+    pub(super) fn is_shaded_by_map(&self) -> bool {
+        self.surface
+            .displacement()
+            .is_some_and(|d| d.pixel_map().is_some())
+    }
+
+    /// Depth tags of the cage's vertices in a view.
+    pub(super) fn tags(&self, view: &View, wanted: &DepthTags) -> Vec<u8> {
+        depth_tags::vertex_tags(&self.surface, view, wanted, &self.depth_tags)
+    }
+
     /// Material of a face of the cage, as an index into the scene's list.
     #[must_use]
     pub fn material(&self, face: u32) -> u32 {

@@ -5,12 +5,14 @@
 //! bytes where a pixel has one sample. Everything else goes by [`SurfacePoint`]s.
 
 use super::Frame;
-use super::source::Attributes;
+use super::source::{Attributes, Source};
+use super::spot::{self, Listed, Quad, Spot};
 use super::stats::Stage;
 use super::tile::{Drawn, Scratch};
 use super::visible::Fragment;
 use crate::dispatch;
-use crate::raster::{ProjectedBlock, SampleLanes, barycentrics, project, sample_positions};
+use crate::displace::Displacement;
+use crate::raster::{ProjectedBlock, SampleLanes, project, sample_positions};
 use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
 use crate::shade::{ShadeMode, SurfacePoint, has_direction};
 use crate::simd::LANES;
@@ -75,7 +77,7 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
     let Drawn { item, block } = s.drawn[rank];
     let source = frame.source_of(item);
     let local = item - source.first_item;
-    let size = source.block_size(local);
+    let (size, list) = (source.block_size(local), source.list(local));
     source.dice(
         &mut s.source,
         local,
@@ -91,9 +93,16 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
         &mut s.projected,
     );
     if s.attributes.has_uvs {
-        footprints(&s.projected, &s.attributes.uvs, size, &mut s.footprint);
+        footprints(
+            &s.projected,
+            &s.attributes.uvs,
+            list,
+            size,
+            &mut s.footprint,
+        );
     }
     let clock = s.times.lap(Stage::Dice, clock);
+    (s.times).shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
     let face = source.cage_face(local);
     let template = SurfacePoint {
         face: source.first_face + face,
@@ -101,8 +110,9 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
         material: source.object.material(face),
         ..SurfacePoint::default()
     };
-    let plain = frame.shader.mode() == ShadeMode::Lit && !s.attributes.has_uvs;
-    if plain && !s.projected.is_clipped() {
+    let a = &s.attributes;
+    let plain = list.is_none() && !a.has_uvs && !a.has_tangents && !s.projected.is_clipped();
+    if plain && frame.shader.mode() == ShadeMode::Lit {
         let albedo = frame.shader.albedo(&template);
         let fragments = s.visible.of_rank(rank);
         let block = LitBlock {
@@ -117,7 +127,7 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
             lit_fragments(frame, &block, fragments, &mut s.pixels)
         );
     } else {
-        shade_points(frame, s, rank, template);
+        shade_points(frame, source, s, rank, template);
     }
     s.times.stop(Stage::Shade, clock);
 }
@@ -232,7 +242,7 @@ fn mend_normal(
     normals: &mut [[f32; LANES]; 3],
     lane: usize,
 ) {
-    let n = geometric(points, SampleId(id));
+    let n = spot::geometric(points, SampleId(id));
     let n = if has_direction(n) { n } else { to_eye };
     for (lanes, n) in normals.iter_mut().zip(n) {
         lanes[lane] = n;
@@ -240,23 +250,31 @@ fn mend_normal(
 }
 
 /// Fragments of a block point by point.
-fn shade_points(frame: &Frame<'_>, s: &mut Scratch, rank: usize, template: SurfacePoint) {
+fn shade_points(
+    frame: &Frame<'_>,
+    source: &Source<'_>,
+    s: &mut Scratch,
+    rank: usize,
+    template: SurfacePoint,
+) {
     let [x0, y0] = s.tile.origin();
     let samples = frame.size.samples;
+    let list = source.list(s.drawn[rank].item - source.first_item);
     s.surface.clear();
     for f in s.visible.of_rank(rank) {
         let id = SampleId(f.id);
-        let (x, y) = (x0 + f.x(), y0 + f.y());
-        let weights = barycentrics(&s.projected, id, x, y, f.sample(), samples);
-        s.surface.push(surface_point(
-            frame,
-            &s.points,
-            &s.attributes,
-            &s.footprint,
-            id,
-            weights,
-            template,
-        ));
+        let at = [x0 + f.x(), y0 + f.y(), f.sample()];
+        let block = (&*s.points, &s.attributes, s.footprint.as_slice());
+        s.surface.push(match list {
+            None => {
+                let spot = Quad::new(&s.projected, id, at, samples);
+                surface_point(frame, source, block, spot, template)
+            }
+            Some(list) => {
+                let spot = Listed::new(&s.projected, list, id, at, samples);
+                surface_point(frame, source, block, spot, template)
+            }
+        });
     }
     s.shaded.clear();
     s.shaded.resize(s.surface.len(), [0.0; 4]);
@@ -274,60 +292,67 @@ fn shade_points(frame: &Frame<'_>, s: &mut Scratch, rank: usize, template: Surfa
     }
 }
 
-/// Interpolates a quantity of a block at a sample; `w` weighs the points (i, j), (i+1, j), (i+1, j+1), (i, j+1).
-#[inline(always)]
-pub(super) fn interpolate(a: &[f32], id: SampleId, w: [f32; 4]) -> f32 {
-    let k = id.row() as usize * BLOCK_STRIDE + id.col() as usize;
-    // One check of bounds for all four corners.
-    let a = &a[k..k + BLOCK_STRIDE + 2];
-    (w[0] * a[0] + w[1] * a[1]) + (w[2] * a[BLOCK_STRIDE + 1] + w[3] * a[BLOCK_STRIDE])
-}
-
 /// The surface at a sample of a block.
 #[inline]
 fn surface_point(
     frame: &Frame<'_>,
-    points: &Grid3,
-    a: &Attributes,
-    footprint: &[f32],
-    id: SampleId,
-    w: [f32; 4],
+    source: &Source<'_>,
+    (points, a, footprint): (&Grid3, &Attributes, &[f32]),
+    spot: impl Spot,
     template: SurfacePoint,
 ) -> SurfacePoint {
-    let mix3 = |g: &Grid3| {
-        [
-            interpolate(&g.x, id, w),
-            interpolate(&g.y, id, w),
-            interpolate(&g.z, id, w),
-        ]
-    };
-    let position = mix3(points);
-    let uv = a
-        .has_uvs
-        .then(|| [interpolate(&a.uvs.x, id, w), interpolate(&a.uvs.y, id, w)]);
-    SurfacePoint {
+    let position = spot.mix3(points);
+    let uv = a.has_uvs.then(|| [spot.mix(&a.uvs.x), spot.mix(&a.uvs.y)]);
+    let mut point = SurfacePoint {
         position,
-        normal: mix3(&a.normals),
-        geometric: geometric(points, id),
+        normal: spot.mix3(&a.normals),
+        geometric: spot.geometric(points),
         uv,
         uv_footprint: if uv.is_some() {
-            interpolate(footprint, id, w)
+            spot.mix(footprint)
         } else {
             0.0
         },
         // The limit of colours may leave the range of its control values by rounding only, but files may hold anything.
         color: if a.has_colors {
-            mix3(&a.colors).map(|c| c.max(0.0))
+            spot.mix3(&a.colors).map(|c| c.max(0.0))
         } else {
             [1.0; 3]
         },
         depth01: frame.view.depth01(frame.view.distance(position)),
         ..template
+    };
+    if a.has_tangents {
+        relief(source, a, &spot, &mut point);
+    }
+    point
+}
+
+/// What tilts the normal of a point: given to shading, or done at once where the displacement's map says it.
+fn relief(source: &Source<'_>, a: &Attributes, spot: &impl Spot, point: &mut SurfacePoint) {
+    let tangents = [0, 1].map(|k| spot.mix3(&a.tangents[k]));
+    let map = (source.object.surface.displacement()).and_then(Displacement::pixel_map);
+    match (map, point.uv) {
+        (Some(map), Some([u, v])) => {
+            let [du, dv] = map.slope_over(u, v, point.uv_footprint);
+            let [first, second] = tangents;
+            point.normal = [0, 1, 2].map(|k| point.normal[k] - (first[k] * du + second[k] * dv));
+        }
+        _ => point.tangents = Some(tangents),
     }
 }
 
 /// Per grid point the side of the square in texture coordinates that covers the area of a pixel, from differences along the grid.
-pub(super) fn footprints(block: &ProjectedBlock, uvs: &Grid3, size: BlockSize, out: &mut Vec<f32>) {
+pub(super) fn footprints(
+    block: &ProjectedBlock,
+    uvs: &Grid3,
+    list: Option<&[[u16; 3]]>,
+    size: BlockSize,
+    out: &mut Vec<f32>,
+) {
+    if let Some(list) = list {
+        return list_footprints(block, uvs, list, size, out);
+    }
     out.clear();
     out.resize((size.rows + 1) * BLOCK_STRIDE, 0.0);
     let step = |k: usize, n: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
@@ -351,22 +376,36 @@ pub(super) fn footprints(block: &ProjectedBlock, uvs: &Grid3, size: BlockSize, o
     }
 }
 
-/// The outward normal of a micro-triangle, twice its area long.
-#[inline]
-fn geometric(points: &Grid3, id: SampleId) -> [f32; 3] {
-    let (i, j) = (id.col() as usize, id.row() as usize);
-    let middle = if id.half() == 0 {
-        (i + 1, j)
-    } else {
-        (i, j + 1)
-    };
-    let (p, q, r) = (
-        points.get(i, j),
-        points.get(middle.0, middle.1),
-        points.get(i + 1, j + 1),
-    );
-    let n = crate::math::cross(crate::math::sub(q, p), crate::math::sub(r, p));
-    if id.half() == 0 { n } else { n.map(|c| -c) }
+/// The same at the points of a list of triangles: from the areas of those around each.
+fn list_footprints(
+    block: &ProjectedBlock,
+    uvs: &Grid3,
+    list: &[[u16; 3]],
+    size: BlockSize,
+    out: &mut Vec<f32>,
+) {
+    let count = (size.rows + 1) * BLOCK_STRIDE;
+    let mut areas = vec![[0.0_f32; 2]; count];
+    for t in list {
+        let at = t.map(|k| [usize::from(k) % BLOCK_STRIDE, usize::from(k) / BLOCK_STRIDE]);
+        let p = at.map(|[i, j]| block.position(i, j).map(|c| c as f32 / 256.0));
+        let uv = at.map(|[i, j]| uvs.get(i, j)).map(|[u, v, _]| [u, v]);
+        let area = |p: [[f32; 2]; 3]| {
+            let (a, b) = (
+                [p[1][0] - p[0][0], p[1][1] - p[0][1]],
+                [p[2][0] - p[0][0], p[2][1] - p[0][1]],
+            );
+            (a[0] * b[1] - a[1] * b[0]).abs()
+        };
+        let [texture, pixels] = [area(uv), area(p)];
+        for &k in t {
+            areas[usize::from(k)][0] += texture;
+            areas[usize::from(k)][1] += pixels;
+        }
+    }
+    out.clear();
+    let side = |[texture, pixels]: [f32; 2]| (texture / pixels.max(1.0 / 256.0)).sqrt();
+    out.extend(areas.into_iter().map(side));
 }
 
 /// Averages the samples of pixels that have several.

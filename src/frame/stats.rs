@@ -7,12 +7,18 @@ use std::time::{Duration, Instant};
 pub enum Stage {
     /// Levels and blocks of an adaptive tessellation.
     Flatness,
+    /// Tags of vertices and the blocks that follow from them.
+    DepthTags,
+    /// Refinement patterns as blocks.
+    Patterns,
     /// Hulls and screen boxes.
     Setup,
     /// Bins of tiles.
     Bin,
     /// Points, normals and texture coordinates of blocks.
     Dice,
+    /// Displacement of points and their normals.
+    Displace,
     /// Projection, coverage and depth.
     Tile,
     /// Colours of samples.
@@ -23,11 +29,14 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the frame.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::Flatness,
+        Self::DepthTags,
+        Self::Patterns,
         Self::Setup,
         Self::Bin,
         Self::Dice,
+        Self::Displace,
         Self::Tile,
         Self::Shade,
         Self::Film,
@@ -38,9 +47,12 @@ impl Stage {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flatness => "flatness",
+            Self::DepthTags => "depth_tags",
+            Self::Patterns => "patterns",
             Self::Setup => "setup",
             Self::Bin => "bin",
             Self::Dice => "dice",
+            Self::Displace => "displace",
             Self::Tile => "tile",
             Self::Shade => "shade",
             Self::Film => "film",
@@ -80,6 +92,13 @@ impl StageTimes {
         self.total[stage as usize] += now - begin;
         Some(now)
     }
+    /// Hands time that was counted with one stage to another.
+    #[inline]
+    pub(super) fn shift(&mut self, from: Stage, to: Stage, time: Duration) {
+        let time = time.min(self.total[from as usize]);
+        self.total[from as usize] -= time;
+        self.total[to as usize] += time;
+    }
     pub(super) fn add(&mut self, other: &Self) {
         for (a, b) in self.total.iter_mut().zip(&other.total) {
             *a += *b;
@@ -109,6 +128,10 @@ pub struct FrameStats {
     pub wall: [Duration; 3],
     /// Wall time of the adaptive tessellation.
     pub flatness: Duration,
+    /// Wall time of depth tags and their blocks.
+    pub depth_tags: Duration,
+    /// Wall time of refinement patterns.
+    pub patterns: Duration,
     /// Bytes of adaptive tessellations: blocks with their moved points, and trees of edges.
     pub flatness_bytes: u64,
 }

@@ -8,9 +8,10 @@ use super::Frame;
 use super::cutout::{Layers, draw_cutout};
 use super::shading::{self, Pixels, footprints};
 use super::source::{Attributes, Source, SourceScratch};
+use super::spot::draw;
 use super::stats::{Stage, StageTimes};
 use super::visible::Visible;
-use crate::raster::{Key, PixelBox, ProjectedBlock, Tile, bounds, draw_block, project};
+use crate::raster::{Key, PixelBox, ProjectedBlock, Tile, bounds, project};
 use crate::records::{Grid3, SampleId};
 use crate::shade::{ShadeMode, SurfacePoint};
 use crate::simd::Level;
@@ -122,6 +123,7 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
         .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);
     s.drawn.clear();
     s.attributes.wants_uvs = frame.wants_uvs;
+    s.source.measure(s.times.on);
     if queue(frame, items, s) {
         for k in 0..s.queue.len() {
             let Queued { item, rank, .. } = s.queue[k];
@@ -138,7 +140,9 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
         for d in &s.drawn {
             let source = frame.source_of(d.item);
             let size = source.block_size(d.item - source.first_item);
-            s.reach.push(shading::reach(size));
+            // Ids of a list say nothing about distances.
+            let listed = source.list(d.item - source.first_item).is_some();
+            s.reach.push(if listed { 0 } else { shading::reach(size) });
         }
     }
     s.visible.gather(&s.tile, s.drawn.len(), &s.reach);
@@ -190,6 +194,7 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
         return;
     }
     let size = source.block_size(local);
+    let list = source.list(local);
     let cutout = frame.cutout(source.object.material(source.cage_face(local)));
     let [nu, nv] = source.blocks(local);
     for bv in 0..nv {
@@ -207,6 +212,8 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
             let attributes = cutout.map(|_| &mut s.attributes);
             source.dice(&mut s.source, local, [bu, bv], &mut s.points, attributes);
             let clock = s.times.lap(Stage::Dice, clock);
+            s.times
+                .shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
             project(
                 frame.simd,
                 &s.points,
@@ -233,10 +240,16 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
             s.drawn[rank as usize] = drawn;
             match cutout {
                 Some(map) if s.attributes.has_uvs => {
-                    footprints(&s.projected, &s.attributes.uvs, size, &mut s.footprint);
-                    draw_cutout(frame, s, map, rank);
+                    footprints(
+                        &s.projected,
+                        &s.attributes.uvs,
+                        list,
+                        size,
+                        &mut s.footprint,
+                    );
+                    draw_cutout(frame, s, list, map, rank);
                 }
-                _ => draw_block(frame.simd, &mut s.tile, &s.projected, rank),
+                _ => draw(frame.simd, &mut s.tile, &s.projected, list, rank),
             }
             s.times.stop(Stage::Tile, clock);
         }

@@ -6,6 +6,7 @@
 
 use super::cage::Cage;
 use super::channel::{CageChannels, FaceVaryingChannel, UniformChannel, UniformValues};
+use std::cmp::Ordering;
 
 impl Cage {
     /// The first face that is no triangle.
@@ -82,12 +83,51 @@ impl Cage {
         }
     }
 
-    fn second_diagonal_is_shorter(&self, f: usize) -> bool {
-        let p = |k: usize| self.points[self.face(f)[k] as usize].map(f64::from);
-        let squared = |a: [f64; 3], b: [f64; 3]| -> f64 {
-            (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
+    /// Whether every face has four corners.
+    pub(crate) fn is_quads(&self) -> bool {
+        self.face_offsets.windows(2).all(|w| w[1] - w[0] == 4)
+    }
+
+    /// Which quads are better parted from corner 1 to corner 3: the shorter diagonal; of two as long, the one at the lowest vertex.
+    pub(crate) fn second_diagonals(&self) -> Vec<bool> {
+        let better = |f: usize| {
+            let [a, b, c, d] = *self.face(f) else {
+                return false;
+            };
+            match self.diagonal(f, 1).total_cmp(&self.diagonal(f, 0)) {
+                Ordering::Less => true,
+                Ordering::Equal => b.min(d) < a.min(c),
+                Ordering::Greater => false,
+            }
         };
-        squared(p(1), p(3)) < squared(p(0), p(2))
+        (0..self.face_count()).map(better).collect()
+    }
+
+    /// The same cage of quads with those of `turn` beginning at their second corner.
+    pub(crate) fn turned(mut self, turn: &[bool]) -> Self {
+        let lists = [
+            &mut self.corner_vertices,
+            &mut self.corner_uvs,
+            &mut self.corner_normals,
+        ];
+        let channels = self.channels.face_varying.iter_mut();
+        for list in lists.into_iter().chain(channels.map(|c| &mut c.corners)) {
+            for (corners, _) in list.chunks_exact_mut(4).zip(turn).filter(|(_, t)| **t) {
+                corners.rotate_left(1);
+            }
+        }
+        self
+    }
+
+    fn second_diagonal_is_shorter(&self, f: usize) -> bool {
+        self.diagonal(f, 1) < self.diagonal(f, 0)
+    }
+
+    /// Squared length of the diagonal at corner `k` of a quad.
+    fn diagonal(&self, f: usize, k: usize) -> f64 {
+        let p = |k: usize| self.points[self.face(f)[k] as usize].map(f64::from);
+        let (a, b) = (p(k), p(k + 2));
+        (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum()
     }
 }
 

@@ -95,6 +95,69 @@ fn block_kernel<C: Cell>(
     }
 }
 
+/// Draws a list of triangles over the points of a block, by their indices in it; triangle `k` has the id `rank << 11 | k`.
+///
+/// # Panics
+/// There are more than 2048, or one refers to a point beyond the block's arrays.
+pub fn draw_list<C: Cell>(
+    level: Level,
+    tile: &mut Tile<C>,
+    block: &ProjectedBlock,
+    triangles: &[[u16; 3]],
+    rank: u32,
+) {
+    draw_list_with(level, tile, block, triangles, rank, Fault::None);
+}
+
+/// [`draw_list`] with a rule broken, for tests.
+#[doc(hidden)]
+pub fn draw_list_with<C: Cell>(
+    level: Level,
+    tile: &mut Tile<C>,
+    block: &ProjectedBlock,
+    triangles: &[[u16; 3]],
+    rank: u32,
+    fault: Fault,
+) {
+    assert!(triangles.len() <= LIST, "{} triangles", triangles.len());
+    let [low, high] = block.bounds();
+    let (left, top) = (tile.x0 * 256, tile.y0 * 256);
+    let (right, bottom) = (left + tile.width * 256, top + tile.height * 256);
+    if high[0] < left || high[1] < top || low[0] >= right || low[1] >= bottom {
+        return;
+    }
+    let tie = fault.tie();
+    dispatch!(level, list_kernel::<C>(tile, block, triangles, rank, tie));
+}
+
+/// Most triangles of a list.
+const LIST: usize = 2048;
+
+#[inline(always)]
+fn list_kernel<C: Cell>(
+    tile: &mut Tile<C>,
+    block: &ProjectedBlock,
+    triangles: &[[u16; 3]],
+    rank: u32,
+    tie: i32,
+) {
+    for (id, t) in (rank << 11..).zip(triangles) {
+        let at = t.map(usize::from);
+        if block.clip && at.iter().any(|&k| block.outside[k] != 0) {
+            let triangle = at.map(|k| block_vertex(block, k));
+            fan(tile, &triangle, id, false, block.near, block.ortho, tie);
+        } else {
+            span::triangle(tile, &at.map(|k| block.vertex(k)), id, false, tie);
+        }
+    }
+}
+
+/// A point of a clipped block.
+fn block_vertex(block: &ProjectedBlock, k: usize) -> ClipVertex {
+    let h = [block.hx[k], block.hy[k], block.hw[k], block.hd[k]];
+    clip_vertex(h, (block.outside[k] == 0).then(|| block.vertex(k)))
+}
+
 /// Corners (i, j), (i+1, j), (i+1, j+1), (i, j+1) of the micro-quad at index `k`.
 const CORNERS: [usize; 4] = [0, 1, BLOCK_STRIDE + 1, BLOCK_STRIDE];
 
@@ -158,11 +221,7 @@ fn clipped_quads<C: Cell>(
         lanes &= lanes - 1;
         let k = j * BLOCK_STRIDE + i0 + l as usize;
         for (half, corners) in HALVES.iter().enumerate() {
-            let triangle = corners.map(|c| {
-                let k = k + CORNERS[c];
-                let h = [block.hx[k], block.hy[k], block.hw[k], block.hd[k]];
-                clip_vertex(h, (block.outside[k] == 0).then(|| block.vertex(k)))
-            });
+            let triangle = corners.map(|c| block_vertex(block, k + CORNERS[c]));
             let id = id + 2 * l + half as u32;
             fan(tile, &triangle, id, half == 1, block.near, block.ortho, tie);
         }

@@ -23,9 +23,10 @@ mod weights;
 
 pub use bin::{Bins, TileGrid};
 #[doc(hidden)]
-pub use draw::{Path, draw_block_with, draw_triangles_with};
+pub use draw::{Path, draw_block_with, draw_list_with, draw_triangles_with};
 pub use draw::{
-    SOUP_CHUNK, SoupVertex, draw_block, draw_triangles, project_vertices, soup_id, soup_triangle,
+    SOUP_CHUNK, SoupVertex, draw_block, draw_list, draw_triangles, project_vertices, soup_id,
+    soup_triangle,
 };
 #[doc(hidden)]
 pub use edge::Fault;
@@ -33,7 +34,7 @@ pub use project::{GUARD_BAND, ProjectedBlock, project};
 pub use samples::sample_positions;
 pub use setup::{PixelBox, bounds};
 pub use tile::{Cell, Coverage, Key, Tile, tile_side};
-pub use weights::{SampleLanes, barycentrics, triangle_weights};
+pub use weights::{SampleLanes, barycentrics, list_weights, triangle_weights};
 
 /// Pictures are at most this many pixels wide and high, for all of them to lie inside the [`GUARD_BAND`].
 pub const MAX_SCREEN: u32 = (GUARD_BAND / 256 - 1) as u32;

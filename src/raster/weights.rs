@@ -28,12 +28,7 @@ pub fn barycentrics(
         k + BLOCK_STRIDE
     };
     let corners = [k, off, k + BLOCK_STRIDE + 1];
-    let at = sample_at(x, y, sample, samples);
-    let w = if block.clip && corners.iter().any(|&k| block.outside[k] != 0) {
-        homogeneous(corners.map(|k| [block.hx[k], block.hy[k], block.hw[k]]), at)
-    } else {
-        on_screen(corners.map(|k| block.vertex(k)), at, block.ortho)
-    };
+    let w = list_weights(block, corners, x, y, sample, samples);
     if id.half() == 0 {
         [w[0], w[1], w[2], 0.0]
     } else {
@@ -151,6 +146,25 @@ impl SampleLanes {
             }
         }
         out
+    }
+}
+
+/// Weights of three points of a block, by their indices in it, at a sample that their triangle covers.
+#[must_use]
+#[inline]
+pub fn list_weights(
+    block: &ProjectedBlock,
+    corners: [usize; 3],
+    x: u32,
+    y: u32,
+    sample: u32,
+    samples: u32,
+) -> [f32; 3] {
+    let at = sample_at(x, y, sample, samples);
+    if block.clip && corners.iter().any(|&k| block.outside[k] != 0) {
+        homogeneous(corners.map(|k| [block.hx[k], block.hy[k], block.hw[k]]), at)
+    } else {
+        on_screen(corners.map(|k| block.vertex(k)), at, block.ortho)
     }
 }
 

@@ -1,14 +1,18 @@
 //! A quad of a surface with all of its channels, prepared for dicing.
 
-use super::{RefinedFans, Surface};
+use super::displaced::{DisplacedPatch, linear_at};
+use super::{PatchCage, RefinedFans, Surface};
 use crate::control::{Fans, Kind};
 use crate::dice::face::{FacePatch, Part, Sides};
 use crate::dice::table::TablePatch;
 use crate::dice::triangle::TrianglePatch;
 use crate::dice::{DiceFault, Target};
+use crate::patch::FacePatches;
 use crate::records::Grid3;
 use crate::simd::Level;
+use std::cell::{Cell, RefCell};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// What dices a face.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,14 +21,16 @@ enum By {
     Quad,
     Triangle,
     Table,
+    Patches,
 }
 
-/// A face of one channel: quad or triangle, or of an interpolating scheme.
+/// A face of one channel: quad or triangle, of an interpolating scheme, or by patches in place of the limit surface.
 #[derive(Clone, Debug, Default)]
-struct ChannelPatch {
+pub(super) struct ChannelPatch {
     quad: FacePatch,
     triangle: TrianglePatch,
     table: TablePatch,
+    patches: FacePatches,
     by: By,
 }
 
@@ -37,10 +43,11 @@ struct Wanted {
 }
 
 impl ChannelPatch {
-    fn set_simd(&mut self, simd: Level) {
+    pub(super) fn set_simd(&mut self, simd: Level) {
         self.quad.simd = simd;
         self.triangle.simd = simd;
         self.table.simd = simd;
+        self.patches.simd = simd;
     }
 
     /// Prepares face `q` of a channel; false when the surface has no such channel.
@@ -87,12 +94,91 @@ impl ChannelPatch {
         true
     }
 
+    /// Prepares the patches of face `q`; false when the limit surface itself is wanted.
+    fn prepare_patches(&mut self, surface: &Surface, q: u32, level: u32, sides: Sides) -> bool {
+        match &surface.patches {
+            None => return false,
+            Some(PatchCage::Pn(cage)) => {
+                let split = surface.is_split();
+                let (t, points) = (&surface.mesh.base, &surface.cage.points);
+                self.patches.take(cage, t, points, q, split, level);
+            }
+            Some(PatchCage::Qas) => {
+                let wanted = Wanted {
+                    target: Target::Limit,
+                    level: 1,
+                    sides: sides.max(Sides::Points),
+                };
+                self.prepare(surface, Kind::Points, q, None, wanted);
+                let mut samples = self.patches.samples.take().unwrap_or_default();
+                let normals = (sides == Sides::Normals).then_some(&mut *samples.normals);
+                self.dice(0, 0, &mut samples.points, normals);
+                self.patches.samples = Some(samples);
+                self.patches.fit(surface.triangles, level);
+            }
+        }
+        self.by = By::Patches;
+        true
+    }
+
+    fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        match self.by {
+            By::Quad => self.quad.dice_part(part, points, normals),
+            By::Triangle => self.triangle.dice_part(part, points, normals),
+            By::Table => self.table.dice_part(part, points, normals),
+            By::Patches => self.patches.dice_part(part, points, normals),
+        }
+    }
+
+    fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
+        match self.by {
+            By::Quad => self.quad.side(c, points, normals),
+            By::Triangle => self.triangle.side(c, points, normals),
+            By::Table => self.table.side(c, points, normals),
+            By::Patches => self.patches.side(c, points, normals),
+        }
+    }
+
+    fn part_hull(&self, part: Part, out: impl FnMut([f32; 3])) {
+        match self.by {
+            By::Quad => self.quad.part_hull(part, out),
+            By::Triangle => self.triangle.part_hull(part, out),
+            By::Table => self.table.part_hull(part, out),
+            By::Patches => self.patches.part_hull(part, out),
+        }
+    }
+
     fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
         match self.by {
             By::Quad => self.quad.dice(bu, bv, points, normals),
             By::Triangle => self.triangle.dice(bu, bv, points, normals),
             By::Table => self.table.dice(bu, bv, points, normals),
+            By::Patches => self.patches.dice(bu, bv, points, normals),
         }
+    }
+
+    /// Prepares a face for [`ChannelPatch::side_samples`].
+    pub(super) fn prepare_side(
+        &mut self,
+        surface: &Surface,
+        kind: Kind,
+        q: u32,
+        level: u32,
+        sides: Sides,
+    ) {
+        let wanted = Wanted {
+            target: Target::Limit,
+            level,
+            sides,
+        };
+        self.prepare(surface, kind, q, None, wanted);
+    }
+
+    /// Points and normals along side `c`, ends included, at the level that was prepared.
+    pub(super) fn side_samples(&self, c: usize) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+        let (mut points, mut normals) = (Vec::new(), Vec::new());
+        self.side(c, &mut points, &mut normals);
+        (points, normals)
     }
 
     fn hull(&self, out: impl FnMut([f32; 3])) {
@@ -100,6 +186,7 @@ impl ChannelPatch {
             By::Quad => self.quad.hull(out),
             By::Triangle => self.triangle.hull(out),
             By::Table => self.table.hull(out),
+            By::Patches => self.patches.hull(out),
         }
     }
 
@@ -108,6 +195,7 @@ impl ChannelPatch {
             By::Quad => self.quad.block_hull(bu, bv, out),
             By::Triangle => self.triangle.block_hull(bu, bv, out),
             By::Table => self.table.block_hull(bu, bv, out),
+            By::Patches => self.patches.block_hull(bu, bv, out),
         }
     }
 }
@@ -123,6 +211,15 @@ pub(crate) struct QuadPatch {
     color_ready: bool,
     linear: Option<[[f32; 3]; 4]>,
     level: u32,
+    face: u32,
+    simd: Option<Level>,
+    /// Made with the first displaced face.
+    displaced: RefCell<Option<Box<DisplacedPatch>>>,
+    is_displaced: bool,
+    /// How far it reaches beyond hulls.
+    reach: f32,
+    /// Time spent displacing since it was taken last, if that is measured.
+    pub(crate) clock: Cell<Option<Duration>>,
 }
 
 impl QuadPatch {
@@ -135,6 +232,7 @@ impl QuadPatch {
 
     /// Chooses the vector instructions; never changes a bit.
     pub(crate) fn set_simd(&mut self, simd: Level) {
+        self.simd = Some(simd);
         self.points.set_simd(simd);
         self.uvs.set_simd(simd);
         self.colors.set_simd(simd);
@@ -169,6 +267,7 @@ impl QuadPatch {
         sides: Sides,
     ) {
         self.level = level;
+        self.face = q;
         self.uv_ready = false;
         self.color_ready = false;
         self.triangle = surface.triangles;
@@ -176,6 +275,15 @@ impl QuadPatch {
             Some(_) if !surface.linear => Target::Refined,
             _ => Target::Limit,
         };
+        self.prepare_displaced(surface, q, level, sides);
+        let sides = match self.is_displaced && sides > Sides::Hull {
+            // Points move along their normals.
+            true => Sides::Normals,
+            false => sides,
+        };
+        if refined.is_none() && self.points.prepare_patches(surface, q, level, sides) {
+            return;
+        }
         let wanted = Wanted {
             target,
             level,
@@ -183,6 +291,20 @@ impl QuadPatch {
         };
         self.points
             .prepare(surface, Kind::Points, q, refined, wanted);
+    }
+
+    fn prepare_displaced(&mut self, surface: &Surface, q: u32, level: u32, sides: Sides) {
+        self.is_displaced = surface.displacement().is_some();
+        self.reach = surface.displacement_reach();
+        if !self.is_displaced {
+            return;
+        }
+        let patch = self.displaced.get_mut().get_or_insert_default();
+        patch.set_simd(self.simd.unwrap_or(Level::SCALAR));
+        patch.prepare(surface, q, level, sides);
+        if patch.reads_uvs() && sides > Sides::Hull {
+            self.prepare_uvs(surface, q);
+        }
     }
 
     pub(crate) fn prepare_uvs(&mut self, surface: &Surface, q: u32) {
@@ -204,7 +326,11 @@ impl QuadPatch {
         Wanted {
             target: Target::Limit,
             level: self.level,
-            sides: Sides::None,
+            // What moves points has to be the same in both faces.
+            sides: match self.is_displaced {
+                true => Sides::Points,
+                false => Sides::None,
+            },
         }
     }
 
@@ -225,8 +351,52 @@ impl QuadPatch {
         self.colors.dice(bu, bv, out, None);
     }
 
-    pub(crate) fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
+    /// Dices a block of the level that was prepared; `surface` is what it was prepared from, here and below.
+    pub(crate) fn dice(
+        &self,
+        surface: &Surface,
+        bu: u32,
+        bv: u32,
+        points: &mut Grid3,
+        normals: Option<&mut Grid3>,
+    ) {
+        if self.is_displaced {
+            return self.dice_displaced(
+                surface,
+                Part::block(self.level, [bu, bv]),
+                points,
+                normals,
+            );
+        }
         self.points.dice(bu, bv, points, normals);
+    }
+
+    fn dice_displaced(
+        &self,
+        surface: &Surface,
+        part: Part,
+        points: &mut Grid3,
+        normals: Option<&mut Grid3>,
+    ) {
+        let mut displaced = self.displaced.borrow_mut();
+        let Some(displaced) = displaced.as_deref_mut() else {
+            return;
+        };
+        let mut spare = displaced.take_spare();
+        let [limit, uvs] = &mut spare;
+        let wants_normals = normals.is_some();
+        let normals = normals.unwrap_or(limit);
+        self.points.dice_part(part, points, Some(normals));
+        let uvs = displaced.reads_uvs().then(|| {
+            self.dice_part_uvs(part, uvs);
+            &**uvs
+        });
+        let begin = self.clock.get().map(|_| Instant::now());
+        displaced.displace(surface, part, points, normals, uvs, wants_normals);
+        if let (Some(begin), Some(before)) = (begin, self.clock.get()) {
+            self.clock.set(Some(before + begin.elapsed()));
+        }
+        displaced.give_spare(spare);
     }
 
     pub(crate) fn dice_uvs(&self, bu: u32, bv: u32, out: &mut Grid3) {
@@ -237,59 +407,180 @@ impl QuadPatch {
     }
 
     fn linear_uvs(&self, part: Part, out: &mut Grid3) {
-        let Some(c) = self.linear else { return };
+        let Some(c) = &self.linear else { return };
         let side = part.segments as usize + 1;
         let scale = 1.0 / (1_u32 << part.level) as f32;
         for j in 0..side {
             let t = (part.start[1] as usize + j) as f32 * scale;
             for i in 0..side {
                 let s = (part.start[0] as usize + i) as f32 * scale;
-                let at = |k: usize| {
-                    if self.triangle {
-                        // Above the diagonal, everything is folded onto it.
-                        let t = t.min(s);
-                        return (c[0][k] * (1.0 - s) + c[1][k] * (s - t)) + c[2][k] * t;
-                    }
-                    (c[0][k] * (1.0 - s) + c[1][k] * s) * (1.0 - t)
-                        + (c[3][k] * (1.0 - s) + c[2][k] * s) * t
-                };
-                out.set(i, j, [at(0), at(1), 0.0]);
+                out.set(i, j, linear_at(c, self.triangle, [s, t]));
             }
         }
     }
 
     /// Dices a part of a quad, of the level that was prepared or a coarser one.
-    pub(crate) fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
-        self.points.quad.dice_part(part, points, normals);
+    pub(crate) fn dice_part(
+        &self,
+        surface: &Surface,
+        part: Part,
+        points: &mut Grid3,
+        normals: Option<&mut Grid3>,
+    ) {
+        if self.is_displaced {
+            return self.dice_displaced(surface, part, points, normals);
+        }
+        self.points.dice_part(part, points, normals);
+    }
+
+    /// Bound of what the diced samples of a part do not show of its displacement, in model units; 0 without.
+    pub(crate) fn hidden(&self, surface: &Surface, part: Part, points: &Grid3) -> f32 {
+        let Some(displacement) = surface.displacement() else {
+            return 0.0;
+        };
+        let mut kept = self.displaced.borrow_mut();
+        let Some(patch) = kept.as_deref_mut() else {
+            return 0.0;
+        };
+        let mut spare = patch.take_spare();
+        let [uvs, _] = &mut spare;
+        if patch.reads_uvs() {
+            self.dice_part_uvs(part, uvs);
+        }
+        let hidden = displacement.hidden(part.segments as usize + 1, points, uvs);
+        patch.give_spare(spare);
+        hidden
+    }
+
+    /// For relief, what of a part's limit surface tilts normals: under slopes by pixel the vectors for the slopes of the displacement's map,
+    /// else the derivatives by the texture coordinates, which must be prepared.
+    pub(crate) fn dice_tangents(
+        &self,
+        surface: &Surface,
+        part: Part,
+        first: &mut Grid3,
+        second: &mut Grid3,
+    ) {
+        let mut kept = self.displaced.borrow_mut();
+        let patch = kept.get_or_insert_default();
+        if !self.is_displaced {
+            patch.set_simd(self.simd.unwrap_or(Level::SCALAR));
+            patch.prepare(surface, self.face, self.level, Sides::Hull);
+        }
+        let mut grids = patch.take_relief();
+        let [points, normals, uvs] = &mut grids;
+        self.points.dice_part(part, points, Some(normals));
+        self.dice_part_uvs(part, uvs);
+        let by_pixel = surface
+            .displacement()
+            .is_some_and(|d| d.pixel_map().is_some());
+        let out = [first, second];
+        match by_pixel {
+            true => patch.tilts(surface, part, [points, normals, uvs], out),
+            false => patch.tangents(surface, part, [points, normals, uvs], out),
+        }
+        patch.give_relief(grids);
     }
 
     /// Texture coordinates of a part.
     pub(crate) fn dice_part_uvs(&self, part: Part, out: &mut Grid3) {
         match self.linear {
             Some(_) => self.linear_uvs(part, out),
-            None => self.uvs.quad.dice_part(part, out, None),
+            None => self.uvs.dice_part(part, out, None),
         }
     }
 
     /// Colours of a part.
     pub(crate) fn dice_part_colors(&self, part: Part, out: &mut Grid3) {
-        self.colors.quad.dice_part(part, out, None);
+        self.colors.dice_part(part, out, None);
+    }
+
+    /// Point and unit normal at (`u`, `v`) of the patches that were prepared.
+    pub(crate) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
+        self.points.patches.at(u, v)
     }
 
     /// Samples of side `c` of a quad, at the level that was prepared.
-    pub(crate) fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
-        self.points.quad.side(c, points, normals);
+    pub(crate) fn side(
+        &self,
+        surface: &Surface,
+        c: usize,
+        points: &mut Vec<[f32; 3]>,
+        normals: &mut Vec<[f32; 3]>,
+    ) {
+        self.points.side(c, points, normals);
+        if !self.is_displaced {
+            return;
+        }
+        let mut displaced = self.displaced.borrow_mut();
+        let Some(displaced) = displaced.as_deref_mut() else {
+            return;
+        };
+        let uvs = match (displaced.reads_uvs(), &self.linear) {
+            (false, _) => Vec::new(),
+            (true, Some(corners)) => displaced.linear_side(corners, c),
+            (true, None) => self.uvs.side_samples(c).0,
+        };
+        displaced.displace_side(surface, c, points, normals, &uvs);
     }
 
     /// Points whose convex hull holds a part.
-    pub(crate) fn part_hull(&self, part: Part, out: impl FnMut([f32; 3])) {
-        self.points.quad.part_hull(part, out);
+    pub(crate) fn part_hull(&self, part: Part, mut out: impl FnMut([f32; 3])) {
+        let mut hull = Hull::new(self.reach);
+        self.points.part_hull(part, |p| hull.add(p, &mut out));
+        hull.finish(&mut out);
     }
 
-    pub(crate) fn hull(&self, out: impl FnMut([f32; 3])) {
-        self.points.hull(out);
+    /// The same of the whole quad.
+    pub(crate) fn hull(&self, mut out: impl FnMut([f32; 3])) {
+        let mut hull = Hull::new(self.reach);
+        self.points.hull(|p| hull.add(p, &mut out));
+        hull.finish(&mut out);
     }
-    pub(crate) fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
-        self.points.block_hull(bu, bv, out);
+    /// The same of a block.
+    pub(crate) fn block_hull(&self, bu: u32, bv: u32, mut out: impl FnMut([f32; 3])) {
+        let mut hull = Hull::new(self.reach);
+        self.points.block_hull(bu, bv, |p| hull.add(p, &mut out));
+        hull.finish(&mut out);
+    }
+}
+
+/// Points of a hull as they are, or of displaced ones the corners of their box, grown by as far as points move.
+struct Hull {
+    reach: f32,
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Hull {
+    fn new(reach: f32) -> Self {
+        Self {
+            reach,
+            low: [f32::INFINITY; 3],
+            high: [f32::NEG_INFINITY; 3],
+        }
+    }
+
+    fn add(&mut self, p: [f32; 3], out: &mut impl FnMut([f32; 3])) {
+        if self.reach == 0.0 {
+            return out(p);
+        }
+        self.low = [0, 1, 2].map(|k| self.low[k].min(p[k] - self.reach));
+        self.high = [0, 1, 2].map(|k| self.high[k].max(p[k] + self.reach));
+    }
+
+    fn finish(&self, out: &mut impl FnMut([f32; 3])) {
+        if self.reach == 0.0 || self.low[0] > self.high[0] {
+            return;
+        }
+        for c in 0..8 {
+            out([0, 1, 2].map(|k| {
+                if c >> k & 1 == 0 {
+                    self.low[k]
+                } else {
+                    self.high[k]
+                }
+            }));
+        }
     }
 }

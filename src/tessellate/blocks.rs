@@ -1,8 +1,8 @@
 //! From what faces need and how edges are split to the blocks that are drawn, whoever decided it.
 
-use super::quadtree::{Node, Quadtree, Side};
+use super::quadtree::{Node, Quadtree, Shape, Side};
 use super::tree::Forest;
-use super::{CHUNK, Leaf, Move, Tessellation};
+use super::{CHUNK, Leaf, Move, NO_LIST, Reach, Tessellation};
 use crate::limits::{LimitError, Limits};
 use crate::surface::Surface;
 use crate::topology::Topology;
@@ -31,6 +31,13 @@ impl Needs {
         &part.nodes[first as usize..part.ends[i] as usize]
     }
 
+    /// Deepest level that anything needs.
+    pub(super) fn deepest(&self) -> u32 {
+        let nodes = self.parts.iter().flat_map(|p| &p.nodes);
+        let leaves = nodes.filter(|n| n.is_leaf());
+        leaves.map(Node::level).max().unwrap_or(0)
+    }
+
     pub(super) fn bytes(&self) -> usize {
         let parts = self.parts.iter();
         parts.map(|p| p.nodes.len() * size_of::<Node>()).sum()
@@ -42,28 +49,36 @@ pub(super) fn blocks(
     surface: &Surface,
     needs: &Needs,
     trees: &Forest,
+    reach: Reach,
     limits: &Limits,
 ) -> Result<Tessellation, LimitError> {
     let faces = surface.whole_quads().face_count();
+    let shape = Shape::of(surface);
     let parts: Vec<Tessellation> = (0..faces.div_ceil(CHUNK))
         .into_par_iter()
-        .map_init(Quadtree::new, |tree, k| {
-            limits.check()?;
-            let mut out = Tessellation::default();
-            for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
-                if needs.drawn[q] {
-                    tree.nodes.clear();
-                    tree.nodes.extend_from_slice(needs.nodes(q as u32));
-                    face_blocks(surface, tree, trees, q as u32, &mut out);
+        .map_init(
+            || Quadtree::new(shape, reach.squares),
+            |tree, k| {
+                limits.check()?;
+                let mut out = Tessellation::default();
+                for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
+                    if needs.drawn[q] {
+                        tree.nodes.clear();
+                        tree.nodes.extend_from_slice(needs.nodes(q as u32));
+                        face_blocks(surface, tree, trees, reach, q as u32, &mut out);
+                    }
                 }
-            }
-            limits.memory("the blocks of the tessellation", out.bytes() as u128)?;
-            Ok(out)
-        })
+                limits.memory("the blocks of the tessellation", out.bytes() as u128)?;
+                Ok(out)
+            },
+        )
         .collect::<Result<_, LimitError>>()?;
     let bytes: usize = parts.iter().map(Tessellation::bytes).sum();
     limits.memory("the blocks of the tessellation", 2 * bytes as u128)?;
-    let mut out = Tessellation::default();
+    let mut out = Tessellation {
+        triangular: shape == Shape::Triangle,
+        ..Tessellation::default()
+    };
     for part in &parts {
         out.append(part);
     }
@@ -74,17 +89,21 @@ fn face_blocks(
     surface: &Surface,
     tree: &mut Quadtree,
     trees: &Forest,
+    reach: Reach,
     q: u32,
     out: &mut Tessellation,
 ) {
     let quads = surface.whole_quads();
-    let sides = [0, 1, 2, 3].map(|c| Side {
-        tree: trees.get(quads.edge(4 * q + c)),
-        reversed: runs_back(quads, 4 * q + c),
-    });
+    let mut sides = [Side::default(); 4];
+    for (side, h) in sides.iter_mut().zip(quads.face_halves(q)) {
+        *side = Side {
+            tree: trees.get(quads.edge(h)),
+            reversed: runs_back(quads, h),
+        };
+    }
     tree.balance(&sides);
     let edges = sides.iter().map(|s| s.tree.depth()).max().unwrap_or(0);
-    let reach = tree.deepest().max(edges);
+    let reach = reach.prepared(tree.deepest().max(edges));
     let moves = &mut out.moves;
     for node in tree.nodes.iter().filter(|n| n.is_leaf()) {
         rim(tree, node, &sides, reach, moves);
@@ -96,6 +115,7 @@ fn face_blocks(
             log: log as u8,
             start: node.place().map(|k| (k << log) as u16),
             moves_end: moves.len() as u32,
+            list: NO_LIST,
         });
     }
 }
@@ -112,19 +132,22 @@ fn rim(tree: &Quadtree, leaf: &Node, sides: &[Side<'_>; 4], reach: u32, out: &mu
     let n = 1_u32 << log;
     let start = leaf.place().map(|k| k << log);
     let up = reach - leaf.level();
-    for c in 0..4 {
+    let shape = leaf.shape(tree.face);
+    let own = shape.sides();
+    for c in 0..own {
         for k in 0..n {
-            let [i, j] = match c {
-                0 => [k, 0],
-                1 => [n, k],
-                2 => [n - k, n],
-                _ => [0, n - k],
+            let [i, j] = match (shape, c) {
+                (_, 0) => [k, 0],
+                (_, 1) => [n, k],
+                (Shape::Square, 2) => [n - k, n],
+                (Shape::Square, _) => [0, n - k],
+                (Shape::Triangle, _) => [n - k; 2],
             };
             let at = [start[0] + i, start[1] + j];
             // The corner at the start of a side may be moved along the side before it as well.
             let mut to = tree.drawn(leaf, sides, c, at);
             if k == 0 && to == at {
-                to = tree.drawn(leaf, sides, (c + 3) % 4, at);
+                to = tree.drawn(leaf, sides, (c + own - 1) % own, at);
             }
             if to != at {
                 out.push(Move {

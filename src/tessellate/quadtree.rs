@@ -1,4 +1,5 @@
-//! The quadtree of a face: squares, the level of each, and which points they have where they meet.
+//! The quadtree of a face: squares, the level of each, and which points they have where they meet. Of a triangle, squares on the diagonal
+//! are half of one; those above it are void.
 //!
 //! Squares at a line inside of the face show the points of the coarser of the two. So that what moves stays within its square and triangles
 //! beside the line are not drawn out, levels of neighbours differ by one at most, and the corners of a square are points of its neighbours
@@ -6,12 +7,40 @@
 
 use super::tree::{Splits, Tree};
 use crate::dice::MAX_LEVEL;
+use crate::surface::Surface;
 
 /// Micro-quads along the side of a leaf, as a power of two.
 pub(super) const MAX_LOG: u32 = 5;
 
 /// Length of the face's side in the units of boxes.
 const FULL: u32 = 1 << MAX_LEVEL;
+
+/// Children of a square above the diagonal of a triangle.
+const VOID: u32 = u32::MAX;
+
+/// What the parameters of a face fill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    Square,
+    /// The half where the row is at most the column.
+    Triangle,
+}
+
+impl Shape {
+    pub(super) fn of(surface: &Surface) -> Self {
+        match surface.is_triangular() {
+            true => Self::Triangle,
+            false => Self::Square,
+        }
+    }
+    /// Number of sides.
+    pub(super) fn sides(self) -> usize {
+        match self {
+            Self::Square => 4,
+            Self::Triangle => 3,
+        }
+    }
+}
 
 /// A square of a face.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +51,7 @@ pub(super) struct Node {
     level: u8,
     /// Column and row among the `2^depth` by `2^depth` squares.
     place: [u16; 2],
-    /// First of four children, 0 for a leaf.
+    /// First of four children, 0 for a leaf, or [`VOID`].
     children: u32,
 }
 
@@ -37,6 +66,9 @@ pub(super) struct Side<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Quadtree {
     pub(super) nodes: Vec<Node>,
+    pub(super) face: Shape,
+    /// Depth of the smallest squares.
+    pub(super) deepest: u32,
 }
 
 impl Node {
@@ -48,8 +80,16 @@ impl Node {
         children: 0,
     };
 
+    /// Whether it is drawn, and not its children.
     pub(super) fn is_leaf(&self) -> bool {
         self.children == 0
+    }
+    /// Its own shape in a face.
+    pub(super) fn shape(&self, face: Shape) -> Shape {
+        match face {
+            Shape::Triangle if self.place[0] == self.place[1] => Shape::Triangle,
+            _ => Shape::Square,
+        }
     }
     pub(super) fn depth(&self) -> u32 {
         u32::from(self.depth)
@@ -67,14 +107,15 @@ impl Node {
         [low, low.map(|k| k + size)]
     }
     /// Number of the segment along side `c` of the face among the `2^depth` of it, if the square lies there.
-    fn segment(&self, c: usize) -> Option<u32> {
+    fn segment(&self, face: Shape, c: usize) -> Option<u32> {
         let last = (1 << self.depth) - 1;
         let [x, y] = self.place();
-        match c {
-            0 => (y == 0).then_some(x),
-            1 => (x == last).then_some(y),
-            2 => (y == last).then(|| last - x),
-            _ => (x == 0).then(|| last - y),
+        match (face, c) {
+            (_, 0) => (y == 0).then_some(x),
+            (_, 1) => (x == last).then_some(y),
+            (Shape::Square, 2) => (y == last).then(|| last - x),
+            (Shape::Square, _) => (x == 0).then(|| last - y),
+            (Shape::Triangle, _) => (x == y).then(|| last - x),
         }
     }
 }
@@ -101,9 +142,9 @@ impl Side<'_> {
 
 /// Adds to the splits of an edge the points that the leaves of a face at its side `c` ask for: all of their own, so that triangles beside
 /// the edge are not drawn out (measured: every second point of theirs costs half more distance and saves a quarter of the triangles).
-pub(super) fn ask(nodes: &[Node], c: usize, reversed: bool, splits: &mut Splits) {
+pub(super) fn ask(nodes: &[Node], face: Shape, c: usize, reversed: bool, splits: &mut Splits) {
     for leaf in nodes.iter().filter(|n| n.is_leaf()) {
-        if let Some(segment) = leaf.segment(c) {
+        if let Some(segment) = leaf.segment(face, c) {
             let (depth, level) = (leaf.depth(), u32::from(leaf.need));
             let place = turned(reversed, depth, segment);
             for d in 0..level {
@@ -119,9 +160,11 @@ pub(super) fn ask(nodes: &[Node], c: usize, reversed: bool, splits: &mut Splits)
 }
 
 impl Quadtree {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(face: Shape, deepest: u32) -> Self {
         Self {
             nodes: vec![Node::ROOT],
+            face,
+            deepest,
         }
     }
 
@@ -143,12 +186,13 @@ impl Quadtree {
         let depth = parent.depth + 1;
         for k in 0..4_u16 {
             let [x, y] = parent.place;
+            let void = k == 2 && parent.shape(self.face) == Shape::Triangle;
             self.nodes.push(Node {
                 depth,
                 need: parent.need.max(depth),
                 level: parent.need.max(depth),
                 place: [2 * x + (k & 1), 2 * y + (k >> 1)],
-                children: 0,
+                children: if void { VOID } else { 0 },
             });
         }
         self.nodes[node].children = first as u32;
@@ -159,7 +203,7 @@ impl Quadtree {
     fn overlapping(&self, node: usize, [low, high]: [[u32; 2]; 2], each: &mut impl FnMut(&Node)) {
         let n = &self.nodes[node];
         let [from, to] = n.bounds();
-        if (0..2).any(|k| to[k] <= low[k] || from[k] >= high[k]) {
+        if n.children == VOID || (0..2).any(|k| to[k] <= low[k] || from[k] >= high[k]) {
             return;
         }
         if n.is_leaf() {
@@ -200,7 +244,8 @@ impl Quadtree {
                     let level = self.wanted(&node, sides);
                     // Far more than it needs is wanted along a side only: better of the part that lies there.
                     let much = level > u32::from(node.need) + 1 && level > node.depth() + 2;
-                    if level > node.depth() + MAX_LOG || much {
+                    let large = level > node.depth() + MAX_LOG;
+                    if (large || much) && node.depth() < self.deepest {
                         self.split(i);
                         changed = true;
                     } else if level > node.level() {
@@ -215,8 +260,9 @@ impl Quadtree {
 
     fn wanted(&self, node: &Node, sides: &[Side<'_>; 4]) -> u32 {
         let mut level = node.level();
-        for (c, side) in sides.iter().enumerate() {
-            if let Some(segment) = node.segment(c) {
+        let own = node.shape(self.face).sides();
+        for (c, side) in sides.iter().enumerate().take(own) {
+            if let Some(segment) = node.segment(self.face, c) {
                 level = level.max(side.deepest(node.depth(), segment));
             } else if let Some(beyond) = Self::beyond(node, c) {
                 self.overlapping(0, beyond, &mut |other| {
@@ -245,8 +291,8 @@ impl Quadtree {
         at: [u32; 2],
     ) -> [u32; 2] {
         let level = leaf.level();
-        if leaf.segment(c).is_some() {
-            return on_side(sides, c, level, at);
+        if leaf.segment(self.face, c).is_some() {
+            return on_side(self.face, sides, c, level, at);
         }
         // Along a line inside of the face. Ends of the leaf's side are points of both.
         let along = usize::from(c % 2 == 1);
@@ -271,22 +317,26 @@ impl Quadtree {
         }
         // It may have come to a side of the face.
         let n = 1_u32 << level;
-        let ends = [at[1] == 0, at[0] == n, at[1] == n, at[0] == 0];
+        let ends = match self.face {
+            Shape::Square => [at[1] == 0, at[0] == n, at[1] == n, at[0] == 0],
+            Shape::Triangle => [at[1] == 0, at[0] == n, at[0] == at[1], false],
+        };
         match ends.iter().position(|&on| on) {
-            Some(side) => on_side(sides, side, level, at),
+            Some(side) => on_side(self.face, sides, side, level, at),
             None => at,
         }
     }
 }
 
 /// Where a point on side `c` of the face is drawn.
-fn on_side(sides: &[Side<'_>; 4], c: usize, level: u32, [x, y]: [u32; 2]) -> [u32; 2] {
+fn on_side(face: Shape, sides: &[Side<'_>; 4], c: usize, level: u32, [x, y]: [u32; 2]) -> [u32; 2] {
     let n = 1_u32 << level;
     let nearest = |t: u32| sides[c].nearest(level, t);
-    match c {
-        0 => [nearest(x), 0],
-        1 => [n, nearest(y)],
-        2 => [n - nearest(n - x), n],
-        _ => [0, n - nearest(n - y)],
+    match (face, c) {
+        (_, 0) => [nearest(x), 0],
+        (_, 1) => [n, nearest(y)],
+        (Shape::Square, 2) => [n - nearest(n - x), n],
+        (Shape::Square, _) => [0, n - nearest(n - y)],
+        (Shape::Triangle, _) => [n - nearest(n - x); 2],
     }
 }

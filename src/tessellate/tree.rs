@@ -72,6 +72,11 @@ impl Forest {
         }
     }
 
+    /// Level of the deepest points of all trees.
+    pub(super) fn deepest(&self) -> u32 {
+        self.trees.iter().map(|t| u32::from(t.0)).max().unwrap_or(0)
+    }
+
     pub(super) fn bytes(&self) -> usize {
         self.trees.len() * size_of::<(u8, u32)>() + self.words.len() * 8
     }

@@ -70,11 +70,13 @@ fn random(index: u64) -> (Surface, RandomCage) {
     cage = cage.with_uvs(uvs, shape.corner_uvs.clone()).unwrap();
     let case = &random.case;
     let options = SurfaceOptions {
+        patches: Default::default(),
         scheme: Some(Scheme::Loop),
         boundary: Some(case.boundary),
         face_varying: Some(case.fvar),
         creases: Some(case.options.creases),
         triangles: Some(case.options.triangles),
+        ..SurfaceOptions::default()
     };
     (Surface::new(cage, &options), random)
 }

@@ -207,11 +207,8 @@ pub(super) fn table(shape: &Shape, options: &Options, tangents: &Tangents, level
             v.map_or(0.0, |&v| points[point][layer][v as usize] as f32)
         })
     };
-    Table {
-        inside: rows(&inside),
-        sides: sides.iter().map(|s| rows(s)).collect(),
-        controls,
-    }
+    let (inside, sides) = (rows(&inside), sides.iter().map(|s| rows(s)).collect());
+    Table::new(controls, inside, sides)
 }
 
 fn s_tangents(

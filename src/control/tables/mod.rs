@@ -29,6 +29,7 @@ use sheet::Sheet;
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+pub(super) use walk::surroundings;
 pub(crate) use walk::{Found, STEPS, Walk};
 
 /// Levels of a table, at most.
@@ -181,6 +182,11 @@ impl TableTree {
         Some(Walk::new(self, uvs))
     }
 
+    /// The faces that are drawn as they hang together, infinite creases not cut open.
+    pub(crate) fn whole(&self) -> &Topology {
+        self.root_topology()
+    }
+
     /// What depends on connectivity alone.
     pub(crate) fn plans(&self) -> Arc<Plans> {
         Arc::clone(&self.plans)
@@ -255,6 +261,7 @@ impl TableTree {
                 shapes: shapes.faces[k].clone()?,
                 tables: Arc::clone(&tables.tables[k]),
                 depth: tables.depth,
+                steps: level - tables.depth,
                 cells: Arc::clone(&tables.cells),
                 triangular: self.options.scheme.is_triangular(),
             }))

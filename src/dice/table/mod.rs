@@ -10,6 +10,7 @@ mod patch;
 mod place;
 
 use super::regular::{LANES, LINE, Line};
+use std::sync::OnceLock;
 
 pub(crate) use patch::{TableChannel, TableMesh, TablePatch, TableShapes};
 pub(crate) use place::{Place, cells, places};
@@ -53,6 +54,16 @@ impl Rows {
         Self { count, layers }
     }
 
+    /// The points of these that `chosen` names, in its order; sums of theirs have the same bits.
+    fn choose(&self, controls: usize, chosen: &[usize]) -> Self {
+        let padded = controls.next_multiple_of(GROUP);
+        Self::new(chosen.len(), padded, |layer, point, control| {
+            let (line, i) = (chosen[point] / LINE, chosen[point] % LINE);
+            let lanes = (self.count - line * LINE).min(LINE).next_multiple_of(LANES);
+            self.layers[layer][line * LINE * padded + control * lanes + i]
+        })
+    }
+
     fn bytes(&self) -> usize {
         self.layers.iter().map(|l| 4 * l.len()).sum()
     }
@@ -81,12 +92,60 @@ pub(crate) struct Table {
     pub(crate) inside: Rows,
     /// Points along each side without its ends.
     pub(crate) sides: Vec<Rows>,
+    /// The table of every second of its points, once one was asked for.
+    coarser: OnceLock<Box<Table>>,
 }
 
 impl Table {
+    pub(crate) fn new(controls: Vec<u32>, inside: Rows, sides: Vec<Rows>) -> Self {
+        Self {
+            controls,
+            inside,
+            sides,
+            coarser: OnceLock::new(),
+        }
+    }
+
+    /// The table of every `2^steps`-th point of its `2^level` segments a side.
+    fn coarser(&self, level: u32, steps: u32) -> &Self {
+        if steps == 0 {
+            return self;
+        }
+        let next = self.coarser.get_or_init(|| Box::new(self.halved(level)));
+        next.coarser(level - 1, steps - 1)
+    }
+
+    fn halved(&self, level: u32) -> Self {
+        let (n, controls) = (1_usize << level, self.controls.len());
+        let triangular = self.sides.len() == 3;
+        let place = |[i, j]: [usize; 2]| inside_place(triangular, n, [i, j]);
+        let inside = (2..n).step_by(2).flat_map(|j| {
+            let low = if triangular { j + 2 } else { 2 };
+            (low..n).step_by(2).map(move |i| [i, j])
+        });
+        let inside: Vec<usize> = inside.map(place).collect();
+        let along: Vec<usize> = (2..n).step_by(2).map(|k| k - 1).collect();
+        let sides = self.sides.iter();
+        Self::new(
+            self.controls.clone(),
+            self.inside.choose(controls, &inside),
+            sides.map(|s| s.choose(controls, &along)).collect(),
+        )
+    }
+
     /// Bytes of the weights.
     pub(crate) fn bytes(&self) -> usize {
         self.inside.bytes() + self.sides.iter().map(Rows::bytes).sum::<usize>()
+    }
+}
+
+/// Number of a point among those inside of a face of `n` segments a side, which stand row by row.
+fn inside_place(triangular: bool, n: usize, [i, j]: [usize; 2]) -> usize {
+    if triangular {
+        // Row r has the points r + 1 to n − 1.
+        (j - 1) * (n - 1) - (j - 1) * j / 2 + (i - j - 1)
+    } else {
+        (j - 1) * (n - 1) + i - 1
     }
 }
 
@@ -106,6 +165,18 @@ impl Controls {
             out.resize(out.len().next_multiple_of(GROUP), 0.0);
         }
     }
+}
+
+/// The sum of one point, with the bits that its lane has in [`weigh`].
+fn weigh_one(weights: &[f32], lanes: usize, lane: usize, controls: &Controls) -> [f32; 3] {
+    [0, 1, 2].map(|c| {
+        let groups = controls.0[c].chunks_exact(GROUP);
+        let groups = groups.zip(weights.chunks_exact(GROUP * lanes));
+        groups.fold(0.0, |sum, (q, w)| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| w[k * lanes + lane]);
+            sum + ((a * q[0] + d * q[3]) + (b * q[1] + c * q[2]))
+        })
+    })
 }
 
 /// Sums of a line: `weights` has `lanes` numbers per control point.

@@ -1,8 +1,8 @@
 //! A face of an interpolating surface, diced by the tables of the faces it is made of.
 
-use super::super::face::{DiceFault, FacePatch, Sides};
+use super::super::face::{DiceFault, FacePatch, Part, Sides};
 use super::super::regular::{LINE, Line, unit_cross};
-use super::{Controls, Place, Rows, Table, weigh};
+use super::{Controls, Place, Rows, Table, inside_place, weigh, weigh_one};
 use crate::dispatch;
 use crate::records::Grid3;
 use crate::simd::Level;
@@ -42,6 +42,8 @@ pub(crate) struct TableChannel {
     pub(crate) tables: Arc<Vec<Arc<Table>>>,
     /// Levels from the faces that are drawn to those of the mesh.
     pub(crate) depth: u32,
+    /// Levels of the tables.
+    pub(crate) steps: u32,
     /// The latter by their places in the former; see [`super::cells`].
     pub(crate) cells: Arc<Vec<[u32; 2]>>,
     pub(crate) triangular: bool,
@@ -75,15 +77,24 @@ impl Default for TablePatch {
 /// Buffers for one face of the mesh.
 #[derive(Default)]
 struct Scratch {
-    own: Controls,
-    other: Controls,
+    controls: Controls,
     points: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
 }
 
+/// Who dices a side of a face of the mesh.
+struct Owner {
+    face: u32,
+    c: usize,
+    half: u32,
+    is_foreign: bool,
+    /// Whether normals are its, not only points.
+    shared: bool,
+}
+
 /// The part of a block that a face of the mesh fills.
 #[derive(Clone, Copy)]
-struct Part {
+struct Small {
     /// Number in the mesh.
     face: u32,
     place: Place,
@@ -106,43 +117,44 @@ impl TablePatch {
         self.wanted = sides;
     }
 
+    /// Whether its faces are triangles.
+    pub(crate) fn is_triangular(&self) -> bool {
+        self.channel.as_deref().is_some_and(|c| c.triangular)
+    }
+
     /// Dices block (`bu`, `bv`), of the size that [`FacePatch::block_size`] says.
-    pub(crate) fn dice(
+    pub(crate) fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        self.dice_part(Part::block(self.level, [bu, bv]), points, normals);
+    }
+
+    /// Dices a part of the face, which may be of a coarser level and has an area. It is one point, or at least as large as a face of the
+    /// mesh. Points have the bits that every other part gives them.
+    pub(crate) fn dice_part(
         &self,
-        bu: u32,
-        bv: u32,
+        part: Part,
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
         let Some(channel) = self.channel.as_deref() else {
             return;
         };
-        let m = 1_u32 << self.level.min(5);
-        let n = 1_u32 << (self.level - channel.depth);
-        let (per_block, per_side) = (m / n, 1_u32 << channel.depth);
-        let first = channel.face(self.face);
-        let mut scratch = Scratch::default();
-        for j in 0..per_block {
-            for i in 0..per_block {
-                let cell = (bv * per_block + j) * per_side + bu * per_block + i;
-                for (k, face) in channel.cells[cell as usize].into_iter().enumerate() {
-                    if face == NONE {
-                        continue;
-                    }
-                    let upper = k == 1;
-                    let part = Part {
-                        face: first + face,
-                        place: Place {
-                            origin: [i, j].map(|c| c as i32 + i32::from(upper)),
-                            turn: if upper { -1 } else { 1 },
-                        },
-                        n: n as i32,
-                    };
-                    self.dice_part(channel, part, &mut scratch, points, normals.as_deref_mut());
+        let m = part.segments;
+        if m == 0 || part.level < channel.depth {
+            let each = (0..=m).flat_map(|j| (0..=m).map(move |i| [i, j]));
+            for [i, j] in
+                each.filter(|[i, j]| !channel.triangular || part.start[1] + j <= part.start[0] + i)
+            {
+                let at = [part.start[0] + i, part.start[1] + j];
+                let (point, normal) = self.point(channel, part.level, at);
+                points.set(i as usize, j as usize, point);
+                if let Some(normals) = normals.as_deref_mut() {
+                    normals.set(i as usize, j as usize, normal);
                 }
             }
+        } else {
+            self.dice_faces(channel, part, points, normals.as_deref_mut());
         }
-        if channel.triangular && bu == bv {
+        if channel.triangular && part.start[0] == part.start[1] {
             fold(points, m as usize);
             if let Some(normals) = normals {
                 fold(normals, m as usize);
@@ -150,139 +162,253 @@ impl TablePatch {
         }
     }
 
-    fn dice_part(
+    /// Dices the faces of the mesh in a part.
+    fn dice_faces(
         &self,
         channel: &TableChannel,
         part: Part,
+        points: &mut Grid3,
+        mut normals: Option<&mut Grid3>,
+    ) {
+        let n = 1_u32 << (part.level - channel.depth);
+        let per_block = part.segments / n;
+        let [u, v] = part.start.map(|k| k / n);
+        let mut scratch = Scratch::default();
+        for j in 0..per_block {
+            for i in 0..per_block {
+                for (face, upper) in channel.cell(self.face, [u + i, v + j]) {
+                    let small = Small {
+                        face,
+                        place: Place {
+                            origin: [i, j].map(|c| c as i32 + i32::from(upper)),
+                            turn: if upper { -1 } else { 1 },
+                        },
+                        n: n as i32,
+                    };
+                    self.dice_face(channel, small, &mut scratch, points, normals.as_deref_mut());
+                }
+            }
+        }
+    }
+
+    fn dice_face(
+        &self,
+        channel: &TableChannel,
+        small: Small,
         scratch: &mut Scratch,
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
         let mesh = &*channel.mesh;
-        let n = part.n;
-        let halves = mesh.topology.face_halves(part.face);
-        let corners: [[i32; 2]; 4] = match channel.triangular {
-            true => [[0, 0], [n, 0], [n, n], [0, 0]],
-            false => [[0, 0], [n, 0], [n, n], [0, n]],
-        };
-        let mut sum = [0.0; 3];
-        for (h, &[i, j]) in halves.clone().zip(&corners) {
-            let normal = mesh.normal(h);
-            sum = [0, 1, 2].map(|k| sum[k] + normal[k]);
-            let at = part.place.at(n, i, j).map(|c| c as usize);
+        let n = small.n;
+        let corners = channel.corners(n);
+        for (h, &[i, j]) in mesh.topology.face_halves(small.face).zip(&corners) {
+            let at = small.place.at(n, i, j).map(|c| c as usize);
             points.set(at[0], at[1], mesh.points[mesh.topology.vertex(h) as usize]);
             if let Some(normals) = normals.as_deref_mut() {
-                normals.set(at[0], at[1], normal);
+                normals.set(at[0], at[1], mesh.normal(h));
             }
         }
         if n == 1 {
             return;
         }
-        // Where tangents are parallel.
-        let spare = super::super::point::P4::new(sum).unit();
-        let spare = spare.map_or([0.0, 0.0, 1.0], |p| p.xyz());
-        let table = channel.table(part.face);
-        channel.gather(part.face, &mut scratch.own);
-        let base = channel.base(part.face);
-        let mut copy =
-            |scratch: &Scratch, at: &mut dyn FnMut(i32) -> [i32; 2], which: [bool; 2]| {
-                for (k, p) in scratch.points.iter().enumerate() {
-                    let [i, j] = at(k as i32);
-                    let at = part.place.at(n, i, j).map(|c| c as usize);
-                    if which[0] {
-                        points.set(at[0], at[1], *p);
-                    }
-                    if which[1]
-                        && let (Some(normals), Some(p)) =
-                            (normals.as_deref_mut(), scratch.normals.get(k))
-                    {
-                        normals.set(at[0], at[1], *p);
-                    }
-                }
-            };
-        let simd = self.simd;
+        let steps = n.ilog2();
         let with_normals = self.wanted == Sides::Normals;
-        let Scratch {
-            own,
-            points: out,
-            normals: tangents,
-            ..
-        } = scratch;
-        dispatch!(
-            simd,
-            evaluate(&table.inside, own, base, spare, with_normals, out, tangents)
-        );
-        let (mut i, mut j) = (0, 1);
-        let mut inner = |_| {
-            // Row j of a triangle begins beyond the diagonal.
-            let (low, high) = if channel.triangular {
-                (j + 1, n)
-            } else {
-                (1, n)
-            };
-            if i == 0 {
-                i = low;
+        let mut put = |k: usize, at: [i32; 2], scratch: &Scratch| {
+            let [i, j] = small.place.at(n, at[0], at[1]).map(|c| c as usize);
+            points.set(i, j, scratch.points[k]);
+            if let (Some(normals), Some(&p)) = (normals.as_deref_mut(), scratch.normals.get(k)) {
+                normals.set(i, j, p);
             }
-            let at = [i, j];
-            i += 1;
-            if i == high {
-                (i, j) = (0, j + 1);
-            }
-            at
         };
-        copy(scratch, &mut inner, [true; 2]);
-        for (c, h) in halves.enumerate() {
-            let (a, b) = (
-                corners[c],
-                corners[if channel.triangular {
-                    (c + 1) % 3
-                } else {
-                    (c + 1) % 4
-                }],
-            );
-            let owner = mesh.owners.get(h as usize).copied().unwrap_or(h);
-            let foreign =
-                owner != h && self.wanted > Sides::None && self.fault != DiceFault::OwnDirection;
-            let shared = mesh.topology.twin(h) != NONE;
-            let Scratch {
-                own,
-                points: out,
-                normals: tangents,
-                ..
-            } = scratch;
-            // Across a cut points are shared and normals are not.
-            if !foreign || !shared {
-                let rows = &table.sides[c];
-                dispatch!(
-                    simd,
-                    evaluate(rows, own, base, spare, with_normals, out, tangents)
-                );
-                let mut along = |k: i32| between(a, b, k + 1, n);
-                copy(scratch, &mut along, [true; 2]);
+        channel.gather(small.face, &mut scratch.controls);
+        let spare = channel.spare(small.face);
+        let rows = &channel.table(small.face, steps).inside;
+        channel.evaluate(self.simd, rows, small.face, spare, with_normals, scratch);
+        let mut k = 0;
+        for j in 1..n {
+            // Row j of a triangle begins beyond the diagonal.
+            let low = if channel.triangular { j + 1 } else { 1 };
+            for i in low..n {
+                put(k, [i, j], scratch);
+                k += 1;
             }
-            if foreign {
-                let t = &mesh.topology;
-                let face = t.face_of(owner);
-                let side = (owner - t.face_halves(face).start) as usize;
-                let Scratch {
-                    other,
-                    points: out,
-                    normals: tangents,
-                    ..
-                } = scratch;
-                channel.gather(face, other);
-                let (base, rows) = (channel.base(face), &channel.table(face).sides[side]);
-                let want = with_normals && shared;
-                dispatch!(
-                    simd,
-                    evaluate(rows, other, base, spare, want, out, tangents)
+        }
+        for c in 0..channel.sides() {
+            self.dice_side(channel, small.face, c, steps, scratch);
+            for k in 0..scratch.points.len() {
+                let at = between(
+                    corners[c],
+                    corners[(c + 1) % channel.sides()],
+                    k as i32 + 1,
+                    n,
                 );
-                let reversed = t.vertex(owner) != t.vertex(h);
-                let mut along = |k: i32| match reversed {
-                    true => between(b, a, k + 1, n),
-                    false => between(a, b, k + 1, n),
-                };
-                copy(scratch, &mut along, [true, shared]);
+                put(k, at, scratch);
+            }
+        }
+    }
+
+    /// Leaves the points of side `c` of a face of the mesh in `scratch`, without its ends, and their normals if those are wanted.
+    fn dice_side(
+        &self,
+        channel: &TableChannel,
+        face: u32,
+        c: usize,
+        steps: u32,
+        scratch: &mut Scratch,
+    ) {
+        let t = &channel.mesh.topology;
+        let with_normals = self.wanted == Sides::Normals;
+        let spare = channel.spare(face);
+        let side = self.owner(channel, face, c);
+        // Across a cut points are shared and normals are not.
+        let own = with_normals && !side.shared;
+        if own || !side.is_foreign {
+            channel.gather(face, &mut scratch.controls);
+            let rows = &channel.table(face, steps).sides[c];
+            channel.evaluate(self.simd, rows, face, spare, with_normals, scratch);
+        }
+        if side.is_foreign {
+            let normals = own.then(|| std::mem::take(&mut scratch.normals));
+            channel.gather(side.face, &mut scratch.controls);
+            let rows = &channel.table(side.face, steps).sides[side.c];
+            channel.evaluate(
+                self.simd,
+                rows,
+                side.face,
+                spare,
+                with_normals && !own,
+                scratch,
+            );
+            if t.vertex(side.half) != t.vertex(t.face_halves(face).start + c as u32) {
+                scratch.points.reverse();
+                scratch.normals.reverse();
+            }
+            if let Some(normals) = normals {
+                scratch.normals = normals;
+            }
+        }
+    }
+
+    /// By which face side `c` of face `face` of the mesh is diced.
+    fn owner(&self, channel: &TableChannel, face: u32, c: usize) -> Owner {
+        let mesh = &*channel.mesh;
+        let h = mesh.topology.face_halves(face).start + c as u32;
+        let owner = mesh.owners.get(h as usize).copied().unwrap_or(h);
+        let is_foreign =
+            owner != h && self.wanted > Sides::None && self.fault != DiceFault::OwnDirection;
+        let half = if is_foreign { owner } else { h };
+        let owner = mesh.topology.face_of(half);
+        Owner {
+            face: owner,
+            c: (half - mesh.topology.face_halves(owner).start) as usize,
+            half,
+            is_foreign,
+            shared: !is_foreign || mesh.topology.twin(h) != NONE,
+        }
+    }
+
+    /// One grid point of a level, with its normal if those are wanted.
+    fn point(&self, channel: &TableChannel, level: u32, at: [u32; 2]) -> ([f32; 3], [f32; 3]) {
+        let mesh = &*channel.mesh;
+        // On the grid of the mesh, or a finer one.
+        let level_at = level.max(channel.depth);
+        let at = at.map(|k| k << (level_at - level));
+        let steps = level_at - channel.depth;
+        let (n, last) = (1_u32 << steps, (1_u32 << channel.depth) - 1);
+        let cell = at.map(|k| (k / n).min(last));
+        let in_cell = [0, 1].map(|k| (at[k] - cell[k] * n) as i32);
+        let upper = channel.triangular && in_cell[1] > in_cell[0];
+        let found = channel.cell(self.face, cell).find(|f| f.1 == upper);
+        let Some((face, _)) = found else {
+            return ([0.0; 3], [0.0; 3]);
+        };
+        let n = n as i32;
+        let [i, j] = if upper {
+            in_cell.map(|k| n - k)
+        } else {
+            in_cell
+        };
+        let (corners, sides) = (channel.corners(n), channel.sides());
+        let first = mesh.topology.face_halves(face).start;
+        if let Some(c) = corners[..sides].iter().position(|&c| c == [i, j]) {
+            let h = first + c as u32;
+            return (
+                mesh.points[mesh.topology.vertex(h) as usize],
+                mesh.normal(h),
+            );
+        }
+        let mut controls = Controls::default();
+        let with_normals = self.wanted == Sides::Normals;
+        let spare = channel.spare(face);
+        let mut one = |of: u32, rows: &Rows, k: usize| {
+            channel.gather(of, &mut controls);
+            evaluate_one(rows, k, &controls, channel.base(of), spare, with_normals)
+        };
+        let side = (0..sides).find_map(|c| {
+            let (a, b) = (corners[c], corners[(c + 1) % sides]);
+            let k = (1..n).find(|&k| between(a, b, k, n) == [i, j])?;
+            Some((c, k as usize - 1))
+        });
+        let Some((c, k)) = side else {
+            let k = inside_place(channel.triangular, n as usize, [i as usize, j as usize]);
+            return one(face, &channel.table(face, steps).inside, k);
+        };
+        let owner = self.owner(channel, face, c);
+        let t = &mesh.topology;
+        let reversed = t.vertex(owner.half) != t.vertex(first + c as u32);
+        let of_owner = if reversed { n as usize - 2 - k } else { k };
+        let rows = &channel.table(owner.face, steps).sides[owner.c];
+        let found = one(owner.face, rows, of_owner);
+        match owner.shared {
+            true => found,
+            false => (
+                found.0,
+                one(face, &channel.table(face, steps).sides[c], k).1,
+            ),
+        }
+    }
+
+    /// Samples of side `c` at the level that was prepared, ends included; normals must have been wanted.
+    pub(crate) fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
+        points.clear();
+        normals.clear();
+        let Some(channel) = self.channel.as_deref() else {
+            return;
+        };
+        let mesh = &*channel.mesh;
+        let per_side = 1_u32 << channel.depth;
+        let last = per_side - 1;
+        let mut scratch = Scratch::default();
+        for k in 0..per_side {
+            let cell = match (c, channel.triangular) {
+                (0, _) => [k, 0],
+                (1, _) => [last, k],
+                (2, true) => [last - k; 2],
+                (2, false) => [last - k, last],
+                _ => [0, last - k],
+            };
+            // Sides of the face are sides of the same number of the faces along it.
+            let Some((face, _)) = channel.cell(self.face, cell).next() else {
+                continue;
+            };
+            let corner = |c: usize| {
+                let h = mesh.topology.face_halves(face).start + (c % channel.sides()) as u32;
+                (
+                    mesh.points[mesh.topology.vertex(h) as usize],
+                    mesh.normal(h),
+                )
+            };
+            points.push(corner(c).0);
+            normals.push(corner(c).1);
+            if channel.steps > 0 {
+                self.dice_side(channel, face, c, channel.steps, &mut scratch);
+                points.append(&mut scratch.points);
+                normals.append(&mut scratch.normals);
+            }
+            if k == last {
+                points.push(corner(c + 1).0);
+                normals.push(corner(c + 1).1);
             }
         }
     }
@@ -291,29 +417,34 @@ impl TablePatch {
     pub(crate) fn hull(&self, out: impl FnMut([f32; 3])) {
         let blocks = FacePatch::blocks_per_side(self.level);
         let all = (0..blocks).flat_map(|bv| (0..blocks).map(move |bu| [bu, bv]));
-        self.boxed(all, out);
+        self.boxed(all.map(|b| Part::block(self.level, b)), out);
     }
 
     /// The same for one block.
     pub(crate) fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
-        self.boxed(std::iter::once([bu, bv]), out);
+        self.part_hull(Part::block(self.level, [bu, bv]), out);
+    }
+
+    /// The same for a part.
+    pub(crate) fn part_hull(&self, part: Part, out: impl FnMut([f32; 3])) {
+        self.boxed(std::iter::once(part), out);
     }
 
     /// Interpolating surfaces leave the hull of their control points: only the points themselves tell where they are.
-    fn boxed(&self, blocks: impl Iterator<Item = [u32; 2]>, mut out: impl FnMut([f32; 3])) {
-        let triangular = self.channel.as_deref().is_some_and(|c| c.triangular);
+    fn boxed(&self, parts: impl Iterator<Item = Part>, mut out: impl FnMut([f32; 3])) {
+        let triangular = self.is_triangular();
         let mut grid = Grid3::boxed();
-        let m = FacePatch::block_size(self.level).cols;
         let patch = Self {
             // A hull holds what is drawn, sides included.
             wanted: Sides::Points,
             ..self.clone()
         };
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        for [bu, bv] in blocks.filter(|[bu, bv]| !triangular || bv <= bu) {
-            patch.dice(bu, bv, &mut grid, None);
-            for j in 0..m {
-                for i in 0..m {
+        for part in parts.filter(|p| !triangular || p.start[1] <= p.start[0]) {
+            patch.dice_part(part, &mut grid, None);
+            let m = part.segments as usize;
+            for j in 0..=m {
+                for i in 0..=m {
                     let p = grid.get(i, j);
                     low = [0, 1, 2].map(|k| low[k].min(p[k]));
                     high = [0, 1, 2].map(|k| high[k].max(p[k]));
@@ -368,6 +499,38 @@ fn evaluate(
     }
 }
 
+/// Point number `k` of `rows` and its unit normal if wanted, with the bits of [`evaluate`].
+fn evaluate_one(
+    rows: &Rows,
+    k: usize,
+    controls: &Controls,
+    base: [f32; 3],
+    spare: [f32; 3],
+    with_normal: bool,
+) -> ([f32; 3], [f32; 3]) {
+    let size = controls.0[0].len();
+    let Some((first, _, at, lanes)) = rows.lines(size).nth(k / LINE) else {
+        return (base, spare);
+    };
+    let sum = |layer: usize| {
+        let weights = &rows.layers[layer][at..at + size * lanes];
+        weigh_one(weights, lanes, k - first, controls)
+    };
+    let p = sum(0);
+    let p = [0, 1, 2].map(|k| base[k] + p[k]);
+    if !with_normal {
+        return (p, spare);
+    }
+    let zero: [Line; 3] = [[0.0; LINE]; 3];
+    let (mut a, mut b, mut unit) = (zero, zero, zero);
+    let (du, dv) = (sum(1), sum(2));
+    for k in 0..3 {
+        (a[k][0], b[k][0]) = (du[k], dv[k]);
+    }
+    unit_cross(&a, &b, 1, spare, &mut unit);
+    (p, [unit[0][0], unit[1][0], unit[2][0]])
+}
+
 impl TableMesh {
     /// The normal at corner `h`; zero without.
     pub(crate) fn normal(&self, h: u32) -> [f32; 3] {
@@ -384,8 +547,65 @@ impl TableChannel {
         face << (2 * self.depth)
     }
 
-    fn table(&self, face: u32) -> &Table {
-        &self.tables[self.shapes.tables[face as usize] as usize]
+    /// Faces of the mesh in a unit square of the grid of face `face`, and whether each is the one on the side of (i, j + 1).
+    fn cell(&self, face: u32, [i, j]: [u32; 2]) -> impl Iterator<Item = (u32, bool)> + use<> {
+        let first = self.face(face);
+        let found = self.cells[((j << self.depth) + i) as usize];
+        let all = found.into_iter().zip([false, true]);
+        all.filter(|f| f.0 != NONE)
+            .map(move |(f, upper)| (first + f, upper))
+    }
+
+    /// Number of sides of a face.
+    fn sides(&self) -> usize {
+        if self.triangular { 3 } else { 4 }
+    }
+
+    /// Corners of a face of `n` segments a side; a triangle repeats its first.
+    fn corners(&self, n: i32) -> [[i32; 2]; 4] {
+        match self.triangular {
+            true => [[0, 0], [n, 0], [n, n], [0, 0]],
+            false => [[0, 0], [n, 0], [n, n], [0, n]],
+        }
+    }
+
+    /// The table of face `face` for `2^steps` segments a side.
+    fn table(&self, face: u32, steps: u32) -> &Table {
+        let table = &self.tables[self.shapes.tables[face as usize] as usize];
+        table.coarser(self.steps, self.steps - steps)
+    }
+
+    /// The normal of face `face` where tangents are parallel.
+    fn spare(&self, face: u32) -> [f32; 3] {
+        let mut sum = [0.0; 3];
+        for h in self.mesh.topology.face_halves(face) {
+            let normal = self.mesh.normal(h);
+            sum = [0, 1, 2].map(|k| sum[k] + normal[k]);
+        }
+        let unit = super::super::point::P4::new(sum).unit();
+        unit.map_or([0.0, 0.0, 1.0], |p| p.xyz())
+    }
+
+    /// Leaves points of face `face`, and unit normals if wanted, in `scratch`, which holds its control points.
+    fn evaluate(
+        &self,
+        simd: Level,
+        rows: &Rows,
+        face: u32,
+        spare: [f32; 3],
+        with_normals: bool,
+        scratch: &mut Scratch,
+    ) {
+        let Scratch {
+            controls,
+            points,
+            normals,
+        } = scratch;
+        let base = self.base(face);
+        dispatch!(
+            simd,
+            evaluate(rows, controls, base, spare, with_normals, points, normals)
+        );
     }
 
     fn base(&self, face: u32) -> [f32; 3] {
@@ -395,7 +615,7 @@ impl TableChannel {
 
     fn gather(&self, face: u32, out: &mut Controls) {
         let start = self.shapes.starts[face as usize];
-        let points = self.table(face).controls.iter().map(|c| {
+        let points = self.table(face, self.steps).controls.iter().map(|c| {
             let vertex = self.shapes.vertices[(start + c) as usize];
             self.mesh.points[vertex as usize]
         });

@@ -7,11 +7,11 @@
 
 use super::super::basis::Target;
 use super::super::edge::{EdgeSamples, SamplePart, Samples, sample_boundary};
-use super::super::face::{DiceFault, Sides};
+use super::super::face::{DiceFault, Part, Sides};
 use super::super::point::P4;
 use super::fans::TriangleFans;
 use super::lattice::Lattice;
-use super::piece::{Piece, Range};
+use super::piece::{BlockRange, Piece, Range};
 use super::place::Place;
 use super::ring::{Hexagon, Near, Window, is_regular, next, prev};
 use super::side::{Strip, irregular_half, regular_half};
@@ -333,32 +333,42 @@ impl TrianglePatch {
     }
 
     /// Dices block (`bu`, `bv`), of the size of a quad's blocks; `bv` is at most `bu`.
-    pub(crate) fn dice(
+    pub(crate) fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        self.dice_part(Part::block(self.level, [bu, bv]), points, normals);
+    }
+
+    /// Dices a part of the face, which may be of a coarser level and has an area. Points have the bits that every other part of the face,
+    /// as it is prepared, gives them.
+    pub(crate) fn dice_part(
         &self,
-        bu: u32,
-        bv: u32,
+        part: Part,
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
-        let m = 1_i32 << self.level.min(5);
-        let start = [bu as i32 * m, bv as i32 * m];
-        let range = Range {
-            low: start,
-            high: start.map(|k| k + m),
+        let (m, start) = (part.segments as i32, part.start.map(|k| k as i32));
+        let shift = self.level - part.level;
+        let block = BlockRange {
+            shift,
+            range: Range {
+                low: start,
+                high: start.map(|k| k + m),
+            },
         };
         dispatch!(
             self.simd,
             dice_pieces(
                 &self.pieces,
                 self.target,
-                range,
+                block,
                 points,
                 normals.as_deref_mut()
             )
         );
+        let between = (1 << shift) - 1;
         for dot in &self.dots {
-            let [i, j] = [0, 1].map(|k| dot.place[k] - start[k]);
-            if (0..=m).contains(&i) && (0..=m).contains(&j) {
+            let [i, j] = [0, 1].map(|k| (dot.place[k] >> shift) - start[k]);
+            let on_grid = (dot.place[0] | dot.place[1]) & between == 0;
+            if on_grid && (0..=m).contains(&i) && (0..=m).contains(&j) {
                 points.set(i as usize, j as usize, dot.point);
                 if let Some(normals) = normals.as_deref_mut() {
                     normals.set(i as usize, j as usize, dot.normal);
@@ -367,9 +377,9 @@ impl TrianglePatch {
         }
         // Last, so that nothing but the edges' own rules shows on the sides.
         if self.wanted > Sides::None && self.level > 0 {
-            self.dice_sides(start, m, points, normals.as_deref_mut());
+            self.dice_sides(part, points, normals.as_deref_mut());
         }
-        if bu == bv {
+        if start[0] == start[1] {
             fold(points, m as usize);
             if let Some(normals) = normals {
                 fold(normals, m as usize);
@@ -377,16 +387,12 @@ impl TrianglePatch {
         }
     }
 
-    fn dice_sides(
-        &self,
-        start: [i32; 2],
-        m: i32,
-        points: &mut Grid3,
-        mut normals: Option<&mut Grid3>,
-    ) {
-        let n = 1 << self.level;
-        let mut copy = |side: &EdgeSamples, k: i32, i: i32, j: i32| {
-            let (k, i, j) = (k as usize, i as usize, j as usize);
+    fn dice_sides(&self, part: Part, points: &mut Grid3, mut normals: Option<&mut Grid3>) {
+        let n = 1_usize << part.level;
+        let shift = self.level - part.level;
+        let (m, start) = (part.segments as usize, part.start.map(|k| k as usize));
+        let mut copy = |side: &EdgeSamples, k: usize, i: usize, j: usize| {
+            let k = k << shift;
             points.set(i, j, [0, 1, 2].map(|c| side.points[c][k]));
             if let Some(normals) = normals.as_deref_mut() {
                 normals.set(i, j, [0, 1, 2].map(|c| side.normals[c][k]));
@@ -409,6 +415,17 @@ impl TrianglePatch {
         }
     }
 
+    /// Samples of side `c` at the level that was prepared, at least 1, ends included; sides must have been wanted.
+    pub(crate) fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
+        points.clear();
+        normals.clear();
+        let side = &self.sides[c];
+        for k in 0..=1_usize << self.level {
+            points.push([0, 1, 2].map(|i| side.points[i][k]));
+            normals.push([0, 1, 2].map(|i| side.normals[i][k]));
+        }
+    }
+
     /// Points whose convex hull holds the whole diced face, but for rounding.
     pub(crate) fn hull(&self, mut out: impl FnMut([f32; 3])) {
         for piece in &self.pieces {
@@ -419,12 +436,17 @@ impl TrianglePatch {
     }
 
     /// The same for one block; needs pieces, that is, other sides than [`Sides::Hull`].
-    pub(crate) fn block_hull(&self, bu: u32, bv: u32, mut out: impl FnMut([f32; 3])) {
-        let m = 1_i32 << self.level.min(5);
-        let low = [bu as i32 * m, bv as i32 * m];
+    pub(crate) fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
+        self.part_hull(Part::block(self.level, [bu, bv]), out);
+    }
+
+    /// The same for a part.
+    pub(crate) fn part_hull(&self, part: Part, mut out: impl FnMut([f32; 3])) {
+        let shift = self.level - part.level;
+        let low = part.start.map(|k| (k << shift) as i32);
         let range = Range {
             low,
-            high: low.map(|k| k + m),
+            high: low.map(|k| k + (part.segments << shift) as i32),
         };
         for piece in &self.pieces {
             piece.hull_within(self.target, range, &mut out);
@@ -491,12 +513,13 @@ fn boundary_polygon(t: &Topology, points: &[[f32; 3]], h: u32) -> [P4; 4] {
 fn dice_pieces(
     pieces: &[Piece],
     target: Target,
-    range: Range,
+    block: BlockRange,
     points: &mut Grid3,
     mut normals: Option<&mut Grid3>,
 ) {
-    for piece in pieces {
-        piece.dice(target, range, range.low, points, normals.as_deref_mut());
+    // The widest last: where pieces meet it is seen, as on quads, whichever points of the smaller ones are on the grid.
+    for piece in pieces.iter().rev() {
+        piece.dice(target, block, points, normals.as_deref_mut());
     }
 }
 

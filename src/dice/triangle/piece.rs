@@ -36,6 +36,15 @@ pub(super) struct Range {
     pub(super) high: [i32; 2],
 }
 
+/// The block that pieces are diced into, in points of a grid that has every `2^shift`-th point of the pieces' own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BlockRange {
+    /// Levels that the grid is coarser than the pieces'.
+    pub(super) shift: u32,
+    /// Points wanted; the block begins at the first.
+    pub(super) range: Range,
+}
+
 impl Piece {
     /// `place.size` must be `2^level`, and its directions those of one of the six turns of the grid's lattice.
     pub(super) fn new(mut net: Net12, base: P4, mut place: Place, level: u32) -> Self {
@@ -62,23 +71,25 @@ impl Piece {
         self.corner.map(|c| c - back)
     }
 
-    /// Writes what lies in `range` into a block that begins at grid point `start`.
+    /// Writes what lies in `block` into it. Whatever the block, a point has the same bits.
     #[inline(always)]
     pub(super) fn dice(
         &self,
         target: Target,
-        range: Range,
-        start: [i32; 2],
+        block: BlockRange,
         points: &mut Grid3,
         normals: Option<&mut Grid3>,
     ) {
-        let [x0, y0] = self.origin();
+        let BlockRange { shift, range } = block;
+        let size = self.size >> shift;
+        // The corners of a piece smaller than a cell of the grid belong to wider ones too.
+        if size == 0 {
+            return;
+        }
+        let [x0, y0] = self.origin().map(|k| k >> shift);
         let (low, high) = (
             [range.low[0].max(x0), range.low[1].max(y0)],
-            [
-                range.high[0].min(x0 + self.size),
-                range.high[1].min(y0 + self.size),
-            ],
+            [range.high[0].min(x0 + size), range.high[1].min(y0 + size)],
         );
         // A triangle of an up piece needs column ≥ row, of a down piece row ≥ column.
         let apart = if self.down {
@@ -90,7 +101,7 @@ impl Piece {
             return;
         }
         if self.level <= SMALL_LEVEL {
-            self.dice_small(target, range, start, points, normals);
+            self.dice_small(target, block, points, normals);
             return;
         }
         let limit = expand(&self.net, expansion(Target::Limit, 0));
@@ -106,7 +117,9 @@ impl Piece {
             low,
             high,
             origin: [x0, y0],
-            start,
+            size,
+            level: self.level - shift,
+            start: range.low,
         };
         self.dice_points(net, &rows, points);
         if let Some(normals) = normals {
@@ -118,8 +131,7 @@ impl Piece {
     fn dice_small(
         &self,
         target: Target,
-        range: Range,
-        start: [i32; 2],
+        block: BlockRange,
         points: &mut Grid3,
         normals: Option<&mut Grid3>,
     ) {
@@ -127,10 +139,10 @@ impl Piece {
         let mut line = [[0.0; LINE]; 3];
         small.points(&self.net, &mut line);
         let base = self.base.xyz();
-        self.scatter(small, &line, base, range, start, points);
+        self.scatter(small, &line, base, block, points);
         if let Some(normals) = normals {
             small.normals(&self.net, fallback(&self.net), &mut line);
-            self.scatter(small, &line, [0.0; 3], range, start, normals);
+            self.scatter(small, &line, [0.0; 3], block, normals);
         }
     }
 
@@ -141,20 +153,25 @@ impl Piece {
         small: &Small,
         line: &[Line; 3],
         base: [f32; 3],
-        range: Range,
-        start: [i32; 2],
+        BlockRange { shift, range }: BlockRange,
         out: &mut Grid3,
     ) {
         let sign = if self.down { -1 } else { 1 };
-        let [x0, y0] = self.origin();
+        let [x0, y0] = self.origin().map(|k| k >> shift);
+        let (size, start) = (self.size >> shift, range.low);
         let inside = x0 >= range.low[0]
             && y0 >= range.low[1]
-            && x0 + self.size <= range.high[0]
-            && y0 + self.size <= range.high[1];
+            && x0 + size <= range.high[0]
+            && y0 + size <= range.high[1];
+        let between = (1 << shift) - 1;
+        let corner = self.corner.map(|k| k >> shift);
         for (k, place) in small.places.iter().enumerate() {
+            if (place[0] | place[1]) & between != 0 {
+                continue;
+            }
             let (x, y) = (
-                self.corner[0] + sign * place[0],
-                self.corner[1] + sign * place[1],
+                corner[0] + sign * (place[0] >> shift),
+                corner[1] + sign * (place[1] >> shift),
             );
             let within = |at: i32, c: usize| range.low[c] <= at && at <= range.high[c];
             if inside || (within(x, 0) && within(y, 1)) {
@@ -171,7 +188,7 @@ impl Piece {
 
     #[inline(always)]
     fn dice_points(&self, net: &Tensor, rows: &Rows, out: &mut Grid3) {
-        let b = Bernstein::get(self.level);
+        let b = Bernstein::get(rows.level);
         let mut line = [[0.0; LINE]; 3];
         for y in rows.low[1]..=rows.high[1] {
             let Some(row) = self.row(rows, y) else {
@@ -192,7 +209,7 @@ impl Piece {
 
     #[inline(always)]
     fn dice_normals(&self, net: &Tensor, rows: &Rows, out: &mut Grid3) {
-        let b = Bernstein::get(self.level);
+        let b = Bernstein::get(rows.level);
         let spare = fallback(&self.net);
         let mut along = [[P4::ZERO; 4]; 5];
         for r in 0..5 {
@@ -227,9 +244,9 @@ impl Piece {
         let [x0, y0] = rows.origin;
         let up = y - y0;
         let (j, left, right) = if self.down {
-            (self.size - up, x0, x0 + up)
+            (rows.size - up, x0, x0 + up)
         } else {
-            (up, x0 + up, x0 + self.size)
+            (up, x0 + up, x0 + rows.size)
         };
         let (left, right) = (left.max(rows.low[0]), right.min(rows.high[0]));
         if left > right {
@@ -301,6 +318,9 @@ struct Rows {
     low: [i32; 2],
     high: [i32; 2],
     origin: [i32; 2],
+    size: i32,
+    /// The piece's, of that grid.
+    level: u32,
     start: [i32; 2],
 }
 

@@ -8,16 +8,21 @@
 //! 2. `edges`: every cage edge gets a binary tree of splits, once: from its own curve, and from both faces, whose triangles beside it
 //!    should not be drawn out.
 
-mod cells;
 mod edges;
 mod faces;
 mod screen;
+mod surplus;
 
-use super::{Tessellation, blocks};
+use super::{Reach, Tessellation, blocks};
 use crate::camera::View;
+use crate::dice::MAX_LEVEL;
 use crate::limits::{Budget, LimitError, Limits};
+use crate::simd::Level;
 use crate::surface::Surface;
 use screen::Metric;
+
+/// Level that tables are made for at first.
+const FIRST_TABLES: u32 = 4;
 
 /// How close triangles have to come to the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +46,7 @@ impl Default for Flatness {
     }
 }
 
-/// Tessellates a surface of quads. `is_drawn` says of a quad, and points whose hull holds it, whether it is wanted at all.
+/// Tessellates a surface. `is_drawn` says of a quad, and points whose hull holds it, whether it is wanted at all.
 ///
 /// # Errors
 /// A budget was reached.
@@ -53,11 +58,30 @@ pub(crate) fn tessellate(
     budget: &mut Budget<'_>,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
 ) -> Result<Tessellation, LimitError> {
-    surface.try_ensure(crate::dice::MAX_LEVEL, budget)?;
-    let metric = Metric::new(view, flatness);
-    let needs = faces::needs(surface, &metric, limits, is_drawn)?;
-    let trees = edges::trees(surface, &metric, &needs, limits)?;
-    let mut out = blocks::blocks(surface, &needs, &trees, limits)?;
-    out.tree_bytes = trees.bytes();
-    Ok(out)
+    let most = flatness.max_level.min(MAX_LEVEL);
+    let simd = Level::detect();
+    let mut level = match surface.has_tables() {
+        true => most.min(FIRST_TABLES),
+        false => MAX_LEVEL,
+    };
+    loop {
+        surface.try_ensure(level, budget)?;
+        let reach = Reach {
+            level,
+            always: surface.has_tables(),
+            squares: surface.table_depth(level).unwrap_or(MAX_LEVEL),
+        };
+        let metric = Metric::new(view, flatness, reach);
+        let (needs, own) = faces::needs(surface, &metric, limits, simd, &is_drawn)?;
+        let trees = edges::trees(surface, &needs, own, limits)?;
+        // What is needed is measured on the tables, two levels deeper.
+        let deepest = needs.deepest().max(trees.deepest());
+        if reach.always && level < most && deepest + 1 >= level {
+            level = most.min(level + 2);
+            continue;
+        }
+        let mut out = blocks::blocks(surface, &needs, &trees, reach, limits)?;
+        out.tree_bytes = trees.bytes();
+        return Ok(out);
+    }
 }

@@ -1,0 +1,432 @@
+//! Displacement: the limit surface moved along its normals by a map, a function of space, or the caller's own rule.
+//!
+//! What is diced is displaced ([`Surface::set_displacement`](crate::Surface::set_displacement)), so everything after dicing sees the
+//! displaced surface: adaptive tessellation, hulls, bins, drawing, and export. A point moves by `scale · value + bias` model units.
+//!
+//! # One owner
+//!
+//! A point on an edge or at a corner of the cage belongs to several faces, and may have several texture coordinates (at seams) and several
+//! normals (at creases). It still moves once:
+//!
+//! * **Texture coordinates**, and with them the height, are those of the edge's first half-edge; at a corner, of the first half-edge
+//!   around the vertex. Seams do not open, whatever the map holds on their two sides.
+//! * **Direction**: at infinite creases the mitre of the normals of all sides, the vector m with `m · n = 1` for every one of two normals n
+//!   (no longer than 2), so that a constant height keeps flat sides flat and creases where their offsets meet.
+//! * **Normal**: from the derivatives of the owner's face, and so the same from all faces of a smooth edge. Each side of a crease has its own.
+//! * Where more than two faces share an edge, and at vertices where the surface hangs together by a point, nothing moves.
+
+mod bounds;
+mod function;
+mod map;
+mod noise;
+pub(crate) mod normal;
+
+use crate::math;
+use crate::records::{BLOCK_LEN, BlockSize, Grid3};
+use crate::simd::Level;
+use std::fmt;
+use std::sync::Arc;
+
+pub use function::{Function, FunctionError, Shape};
+pub use map::{HeightMap, MapError};
+
+/// A point that is about to be displaced.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DisplaceSite {
+    /// Limit point, model space.
+    pub position: [f32; 3],
+    /// Unit limit normal; at creases the direction between the normals of their sides.
+    pub normal: [f32; 3],
+    /// Texture coordinates; zeros without.
+    pub uv: [f32; 2],
+}
+
+/// A caller's rule: the vector by which a point moves, model units.
+type Rule = dyn Fn(&DisplaceSite) -> [f32; 3] + Send + Sync;
+
+/// Where heights come from.
+#[derive(Clone)]
+enum Kind {
+    Map(Arc<HeightMap>),
+    Function(Function),
+    Vector { rule: Arc<Rule>, most: f32 },
+}
+
+/// How a surface is displaced.
+///
+/// ```
+/// use earmark::{Cage, Surface, displace::{Displacement, Function}};
+///
+/// let points = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * b as f32 - 1.0)).collect();
+/// let corners = vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5];
+/// let mut surface = Surface::new(Cage::new(points, &[4; 6], corners)?, &Default::default());
+/// let before = surface.dice(0, 3);
+/// let noise: Function = "perlin:frequency=2".parse()?;
+/// surface.set_displacement(Some(Displacement::function(noise).scaled(0.1)));
+/// assert_ne!(surface.dice(0, 3).points, before.points);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Displacement {
+    kind: Kind,
+    /// Model units per unit of the map or function; not of vectors.
+    pub scale: f32,
+    /// Model units that are added; not of vectors.
+    pub bias: f32,
+    /// Whether pictures take the slopes of a map pixel by pixel, with the triangles only carrying the heights: then what a picture shows hardly
+    /// depends on how fine they are. Of maps alone.
+    pub per_pixel: bool,
+}
+
+impl fmt::Debug for Displacement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = match &self.kind {
+            Kind::Map(map) => format!("map {:?}", map.size()),
+            Kind::Function(function) => format!("{function:?}"),
+            Kind::Vector { most, .. } => format!("vectors up to {most}"),
+        };
+        write!(
+            f,
+            "Displacement({kind}, scale {}, bias {})",
+            self.scale, self.bias
+        )
+    }
+}
+
+impl Displacement {
+    /// By the heights of a map at the texture coordinates.
+    #[must_use]
+    pub fn map(map: Arc<HeightMap>) -> Self {
+        Self::of(Kind::Map(map))
+    }
+
+    /// By a function of the limit point.
+    #[must_use]
+    pub fn function(function: Function) -> Self {
+        Self::of(Kind::Function(function))
+    }
+
+    /// By vectors that `rule` says; longer ones are shortened to `most` model units, and what is not finite does not move. The rule must
+    /// depend on its argument alone, and is asked from many threads. Normals come from differences of the rule.
+    #[must_use]
+    pub fn vector(
+        most: f32,
+        rule: impl Fn(&DisplaceSite) -> [f32; 3] + Send + Sync + 'static,
+    ) -> Self {
+        Self::of(Kind::Vector {
+            rule: Arc::new(rule),
+            most: if most.is_finite() { most.abs() } else { 0.0 },
+        })
+    }
+
+    fn of(kind: Kind) -> Self {
+        Self {
+            kind,
+            scale: 1.0,
+            bias: 0.0,
+            per_pixel: false,
+        }
+    }
+
+    /// The same with another scale; one that is not finite is 0.
+    #[must_use]
+    pub fn scaled(mut self, scale: f32) -> Self {
+        self.scale = if scale.is_finite() { scale } else { 0.0 };
+        self
+    }
+
+    /// The same with another bias; one that is not finite is 0.
+    #[must_use]
+    pub fn biased(mut self, bias: f32) -> Self {
+        self.bias = if bias.is_finite() { bias } else { 0.0 };
+        self
+    }
+
+    /// The same with slopes taken pixel by pixel, or not.
+    #[must_use]
+    pub fn with_slopes_per_pixel(mut self, on: bool) -> Self {
+        self.per_pixel = on;
+        self
+    }
+
+    /// The map, if its slopes are taken pixel by pixel.
+    pub(crate) fn pixel_map(&self) -> Option<&HeightMap> {
+        match &self.kind {
+            Kind::Map(map) if self.per_pixel => Some(map),
+            _ => None,
+        }
+    }
+
+    /// The same for points that are relative to `origin`, as those of a cage far from 0 are: ripples keep their centre. (Noise is that of
+    /// the relative points.)
+    #[must_use]
+    pub fn relative_to(mut self, origin: [f64; 3]) -> Self {
+        if let Kind::Function(function) = &mut self.kind {
+            let center = function.center;
+            function.center = [0, 1, 2].map(|k| (f64::from(center[k]) - origin[k]) as f32);
+        }
+        self
+    }
+
+    /// Whether it reads texture coordinates.
+    #[must_use]
+    pub fn needs_uvs(&self) -> bool {
+        matches!(self.kind, Kind::Map(_))
+    }
+
+    /// Whether texture coordinates change what it does.
+    pub(crate) fn reads_uvs(&self) -> bool {
+        !matches!(self.kind, Kind::Function(_))
+    }
+
+    /// Bound of how far a point moves, in model units; twice as far at creases.
+    #[must_use]
+    pub fn most(&self) -> f32 {
+        let most = match &self.kind {
+            Kind::Map(map) => map
+                .range()
+                .map(|h| self.height(h).abs())
+                .into_iter()
+                .fold(0.0, f32::max),
+            Kind::Function(function) => {
+                let most = function.most();
+                self.height(most).abs().max(self.height(-most).abs())
+            }
+            Kind::Vector { most, .. } => *most,
+        };
+        // Sums are rounded.
+        (most * 1.0001).min(f32::MAX)
+    }
+
+    #[inline(always)]
+    fn height(&self, value: f32) -> f32 {
+        value * self.scale + self.bias
+    }
+
+    /// Vector of a caller's rule, as it is allowed.
+    fn vector_at(rule: &Rule, most: f32, site: &DisplaceSite) -> [f32; 3] {
+        let d = rule(site);
+        let square = math::dot(d, d);
+        if square <= most * most {
+            d
+        } else if square.is_finite() {
+            math::scale(d, most / square.sqrt())
+        } else {
+            [0.0; 3]
+        }
+    }
+
+    /// Displaces the points of a grid. `directions` are those along which points move: unit normals but at creases. Leaves what normals
+    /// need in `heights`.
+    pub(crate) fn grid(
+        &self,
+        simd: Level,
+        size: BlockSize,
+        points: &mut Grid3,
+        directions: &Grid3,
+        uvs: &Grid3,
+        wants_slopes: bool,
+        heights: &mut Heights,
+    ) {
+        let Heights { values, slopes } = heights;
+        match &self.kind {
+            Kind::Function(function) => {
+                let slopes = wants_slopes.then_some(&mut **slopes);
+                function.grid(simd, points, size, &mut values[..], slopes);
+            }
+            Kind::Map(map) => {
+                for k in size.indices() {
+                    let (u, v) = (uvs.x[k], uvs.y[k]);
+                    if wants_slopes {
+                        let [h, du, dv] = map.slope(u, v);
+                        values[k] = h;
+                        (slopes.x[k], slopes.y[k]) = (du, dv);
+                    } else {
+                        values[k] = map.at(u, v);
+                    }
+                }
+            }
+            Kind::Vector { rule, most } => {
+                for k in size.indices() {
+                    let site = DisplaceSite {
+                        position: [points.x[k], points.y[k], points.z[k]],
+                        normal: [directions.x[k], directions.y[k], directions.z[k]],
+                        uv: [uvs.x[k], uvs.y[k]],
+                    };
+                    let d = match site.normal == [0.0; 3] {
+                        true => [0.0; 3],
+                        false => Self::vector_at(&**rule, *most, &site),
+                    };
+                    (points.x[k], points.y[k], points.z[k]) = (
+                        site.position[0] + d[0],
+                        site.position[1] + d[1],
+                        site.position[2] + d[2],
+                    );
+                }
+                return;
+            }
+        }
+        for k in size.indices() {
+            let h = self.height(values[k]);
+            values[k] = h;
+            points.x[k] += directions.x[k] * h;
+            points.y[k] += directions.y[k] * h;
+            points.z[k] += directions.z[k] * h;
+        }
+    }
+
+    /// Unit normal of the displaced surface at a point, from the derivatives of the limit surface and of the texture coordinates by the
+    /// same parameters. `value` and `slope` are those of [`Displacement::grid`].
+    pub(crate) fn normal(&self, at: &Around, value: f32, slope: [f32; 3]) -> [f32; 3] {
+        let (bend, n) = (&at.bend, at.normal);
+        match &self.kind {
+            Kind::Function(_) => {
+                let slope = [bend.du, bend.dv].map(|d| math::dot(d, slope) * self.scale);
+                bend.displaced(n, value, slope)
+            }
+            Kind::Map(_) => {
+                let slope = at
+                    .uv_by
+                    .map(|[u, v]| (slope[0] * u + slope[1] * v) * self.scale);
+                bend.displaced(n, value, slope)
+            }
+            Kind::Vector { rule, most } => at.of_rule(|site| Self::vector_at(&**rule, *most, site)),
+        }
+    }
+
+    /// The vectors by which the slopes of a map tilt the limit normal `n` of the displaced surface: it runs along
+    /// `n − (h_u a + h_v b)`. Zeros where the surface has no tangents.
+    pub(crate) fn tilts(&self, at: &Around, value: f32) -> [[f32; 3]; 2] {
+        let n = at.normal;
+        let [nu, nv] = at.bend.normals_of(n);
+        let along = |d: [f32; 3], nd: [f32; 3]| math::add(d, math::scale(nd, value));
+        let (du, dv) = (along(at.bend.du, nu), along(at.bend.dv, nv));
+        let area = math::dot(n, math::cross(du, dv));
+        let factor = self.scale / area;
+        if !factor.is_finite() {
+            return [[0.0; 3]; 2];
+        }
+        let (first, second) = (math::cross(dv, n), math::cross(n, du));
+        [0, 1].map(|k| {
+            let [u, v] = [at.uv_by[0][k], at.uv_by[1][k]];
+            math::scale(
+                math::add(math::scale(first, u), math::scale(second, v)),
+                factor,
+            )
+        })
+    }
+
+    /// Height and slope at a single point, as [`Displacement::grid`] has them.
+    pub(crate) fn slope_at(&self, position: [f32; 3], uv: [f32; 2]) -> (f32, [f32; 3]) {
+        match &self.kind {
+            Kind::Function(function) => {
+                let [h, x, y, z] = function.slope(position);
+                (self.height(h), [x, y, z])
+            }
+            Kind::Map(map) => {
+                let [h, du, dv] = map.slope(uv[0], uv[1]);
+                (self.height(h), [du, dv, 0.0])
+            }
+            Kind::Vector { .. } => (0.0, [0.0; 3]),
+        }
+    }
+}
+
+/// Heights of a block in model units, and slopes of what they come from: by x, y and z of a function, by u and v of a map.
+#[derive(Clone, Debug)]
+pub(crate) struct Heights {
+    pub(crate) values: Box<[f32; BLOCK_LEN]>,
+    pub(crate) slopes: Box<Grid3>,
+}
+
+impl Default for Heights {
+    fn default() -> Self {
+        Self {
+            values: Box::new([0.0; BLOCK_LEN]),
+            slopes: Grid3::boxed(),
+        }
+    }
+}
+
+/// The limit surface around a point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Around {
+    pub(crate) position: [f32; 3],
+    pub(crate) normal: [f32; 3],
+    pub(crate) bend: normal::Bend,
+    pub(crate) uv: [f32; 2],
+    /// Derivatives of the texture coordinates by the first and by the second parameter.
+    pub(crate) uv_by: [[f32; 2]; 2],
+}
+
+impl Around {
+    /// The normal under a caller's rule, by differences along both parameters.
+    fn of_rule(&self, rule: impl Fn(&DisplaceSite) -> [f32; 3]) -> [f32; 3] {
+        let normals = self.bend.normals_of(self.normal);
+        let tangent = |k: usize| {
+            let d = [self.bend.du, self.bend.dv][k];
+            // About a thousandth of a face.
+            const STEP: f32 = 1.0 / 2048.0;
+            let near = |t: f32| {
+                let moved = |a: [f32; 3], b: [f32; 3]| math::add(a, math::scale(b, t));
+                let normal = moved(self.normal, normals[k]);
+                let [u, v] = self.uv_by[k];
+                rule(&DisplaceSite {
+                    position: moved(self.position, d),
+                    normal: math::normalize(normal).unwrap_or(self.normal),
+                    uv: [self.uv[0] + u * t, self.uv[1] + v * t],
+                })
+            };
+            let change = math::sub(near(STEP), near(-STEP));
+            math::add(d, math::scale(change, 0.5 / STEP))
+        };
+        normal::unit(tangent(0), tangent(1)).unwrap_or(self.normal)
+    }
+}
+
+/// The direction in which a point with several normals moves: along their mean, so far that on average it moves by 1 along each.
+pub(crate) fn mitre(normals: &[[f32; 3]]) -> [f32; 3] {
+    /// Longest mitre: sides that meet at less than 60 degrees get no longer tip.
+    const LONGEST: f32 = 2.0;
+    let sum = normals.iter().fold([0.0; 3], |sum, &n| math::add(sum, n));
+    let (count, square) = (normals.len() as f32, math::dot(sum, sum));
+    if square < 1e-6 {
+        return normals.first().copied().unwrap_or_default();
+    }
+    math::scale(sum, (count / square).min(LONGEST / square.sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mitres_reach_where_offsets_meet() {
+        let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        assert_eq!(mitre(&[x, y]), [1.0, 1.0, 0.0]);
+        assert_eq!(mitre(&[x, y, z]), [1.0; 3]);
+        assert_eq!(mitre(&[z]), z);
+        assert_eq!(mitre(&[x, [-1.0, 0.0, 0.0]]), x);
+        let sharp = mitre(&[x, math::normalize([-1.0, 0.1, 0.0]).unwrap_or_default()]);
+        assert!((math::length(sharp) - 2.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn bounds_hold() {
+        let map = Arc::new(HeightMap::new(2, 1, vec![0.25, 0.75]).unwrap());
+        let d = Displacement::map(map).scaled(-2.0).biased(1.0);
+        assert!((d.most() - 0.5).abs() < 1e-3);
+        let d = Displacement::vector(0.5, |_| [f32::NAN, 3.0, 0.0]);
+        let Kind::Vector { rule, most } = &d.kind else {
+            return;
+        };
+        assert_eq!(
+            Displacement::vector_at(&**rule, *most, &DisplaceSite::default()),
+            [0.0; 3]
+        );
+        assert_eq!(
+            Displacement::vector_at(&|_| [3.0, 4.0, 0.0], 0.5, &DisplaceSite::default()),
+            [0.3, 0.4, 0.0]
+        );
+    }
+}

@@ -1,0 +1,979 @@
+//! Displaced surfaces: what belongs to whom, and faces that are diced displaced. The rules stand in [`displace`](crate::displace).
+
+use super::Surface;
+use super::jets::{Derivatives, Jets};
+use super::patch::ChannelPatch;
+use crate::control::Kind;
+use crate::dice::face::{Part, Sides};
+use crate::displace::normal::{Bend, unit};
+use crate::displace::{Around, Displacement, Heights, mitre};
+use crate::math;
+use crate::records::{BLOCK_POINTS, BLOCK_STRIDE, BlockSize, Grid3};
+use crate::simd::Level;
+use crate::topology::{NONE, Topology};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// The displacement of a surface, with what of its topology goes its own ways.
+#[derive(Clone, Debug)]
+pub(crate) struct Displaced {
+    pub(crate) displacement: Displacement,
+    /// Edges of more than two faces, and fans of vertices that do not hang together: these stay.
+    held_edges: BTreeSet<u32>,
+    held_vertices: BTreeSet<u32>,
+    /// Directions of vertices at infinite creases.
+    directions: BTreeMap<u32, [f32; 3]>,
+    /// Bound of how far points move.
+    reach: f32,
+}
+
+impl Displaced {
+    fn new(surface: &Surface, displacement: Displacement) -> Self {
+        let (whole, cut) = (surface.whole_quads(), surface.quads());
+        let mut faces = vec![0_u32; whole.edge_count()];
+        for h in 0..whole.half_count() as u32 {
+            faces[whole.edge(h) as usize] += 1;
+        }
+        let paired = |e: u32| whole.twin(whole.edge_half(e)) != NONE;
+        let held = (0..whole.edge_count() as u32)
+            .filter(|&e| faces[e as usize] > 1 + u32::from(paired(e)));
+        let held_edges = held.collect();
+        let first = whole.vertex_count() as u32;
+        let extra = first..whole.fans().len() as u32;
+        let held_vertices = extra.map(|fan| whole.fan_vertex(fan)).collect();
+        let mut directions = BTreeMap::new();
+        if surface.linear {
+            directions = linear_directions(surface);
+        }
+        for (v, fan) in (0..).zip(whole.fans()) {
+            let cuts = |h: u32| cut.fans()[cut.fan(h) as usize].faces != fan.faces;
+            if fan.first == NONE || surface.linear || !cuts(fan.first) {
+                continue;
+            }
+            let mut normals = Vec::new();
+            let (mut h, mut last) = (fan.first, NONE);
+            for _ in 0..fan.faces {
+                if cut.fan(h) != last
+                    && !(fan.closed && Some(cut.fan(h)) == normals.first().map(|n: &(u32, _)| n.0))
+                {
+                    normals.push((cut.fan(h), surface.fan_limit(cut.fan(h)).1));
+                }
+                last = cut.fan(h);
+                h = whole.rotate(h);
+                if h == NONE {
+                    break;
+                }
+            }
+            let normals: Vec<[f32; 3]> = normals.into_iter().map(|n| n.1).collect();
+            directions.insert(v, mitre(&normals));
+        }
+        let most = displacement.most();
+        // Mitres.
+        let reach = if directions.is_empty() {
+            most
+        } else {
+            2.0 * most
+        };
+        Self {
+            reach,
+            displacement,
+            held_edges,
+            held_vertices,
+            directions,
+        }
+    }
+}
+
+/// Directions of the vertices of a bilinear surface, where every edge is a crease: mitres of their faces' normals.
+fn linear_directions(surface: &Surface) -> BTreeMap<u32, [f32; 3]> {
+    let (t, points) = (surface.quads(), surface.control_points());
+    let at = |h: u32| points[t.vertex(h) as usize];
+    let mut out = BTreeMap::new();
+    for (v, fan) in (0..).zip(t.fans()).filter(|(_, fan)| fan.first != NONE) {
+        let mut h = fan.first;
+        let mut normals = Vec::new();
+        for _ in 0..fan.faces {
+            let (next, before) = (
+                math::sub(at(t.next(h)), at(h)),
+                math::sub(at(t.prev(h)), at(h)),
+            );
+            normals.extend(unit(next, before));
+            h = t.rotate(h);
+            if h == NONE {
+                break;
+            }
+        }
+        out.insert(v, mitre(&normals));
+    }
+    out
+}
+
+impl Surface {
+    /// Displaces the surface from now on, in [`Surface::dice`] and pictures; `None` takes the displacement away. A map needs texture
+    /// coordinates: without, it is read at (0, 0). PN triangles then stand on the cage's own normals, not those of the file. Evaluation at places ([`evaluate`](crate::evaluate)) goes on answering for the limit
+    /// surface. The rules at seams and creases: [`displace`](crate::displace).
+    pub fn set_displacement(&mut self, displacement: Option<Displacement>) {
+        if displacement.is_some() {
+            self.forget_given_normals();
+        }
+        self.displaced = displacement.map(|d| Arc::new(Displaced::new(self, d)));
+    }
+
+    /// How the surface is displaced.
+    #[must_use]
+    pub fn displacement(&self) -> Option<&Displacement> {
+        self.displaced.as_ref().map(|d| &d.displacement)
+    }
+
+    /// Bound of how far displacement moves a point; 0 without.
+    #[must_use]
+    pub fn displacement_reach(&self) -> f32 {
+        self.displaced.as_ref().map_or(0.0, |d| d.reach)
+    }
+
+    /// Makes what depends on the points again.
+    pub(super) fn update_displacement(&mut self) {
+        let displacement = self.displacement().cloned();
+        self.set_displacement(displacement);
+    }
+
+    fn halves_of(&self, face: u32) -> std::ops::Range<u32> {
+        self.quads().face_halves(face)
+    }
+}
+
+/// A side of a face that takes something from elsewhere.
+#[derive(Clone, Debug, Default)]
+struct Rim {
+    /// The half-edge that owns the side, and whether it is the face's own.
+    owner: u32,
+    own: bool,
+    /// Both directions of its sides differ.
+    crease: bool,
+    /// Texture coordinates of the owner, if they are others, and directions of points at the level that is prepared.
+    uvs: Vec<[f32; 3]>,
+    directions: Vec<[f32; 3]>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Corner {
+    uv: [f32; 3],
+    direction: Option<[f32; 3]>,
+    /// The half-edge whose face says the normal, and its texture coordinates.
+    owner: u32,
+    owner_uv: [f32; 3],
+}
+
+/// Buffers of one thread for dicing displaced faces.
+#[derive(Clone, Debug)]
+pub(super) struct DisplacedPatch {
+    pub(super) on: Option<Arc<Displaced>>,
+    simd: Level,
+    face: u32,
+    level: u32,
+    triangle: bool,
+    has_uvs: bool,
+    rims: [Rim; 4],
+    corners: [Corner; 4],
+    /// Another face.
+    other: ChannelPatch,
+    work: Option<Box<Work>>,
+    spare: Option<[Box<Grid3>; 2]>,
+    relief: Option<[Box<Grid3>; 3]>,
+}
+
+#[derive(Clone, Debug)]
+struct Work {
+    limits: Box<Grid3>,
+    normals: Box<Grid3>,
+    directions: Box<Grid3>,
+    uvs: Box<Grid3>,
+    heights: Heights,
+    own: [Jets; 2],
+    /// Of the faces that own the sides.
+    others: [[Jets; 2]; 4],
+    row: Vec<Derivatives>,
+    uv_row: Vec<Derivatives>,
+    /// Of the last block: texture coordinates that the owner of a crease replaced.
+    replaced: Vec<([usize; 2], [f32; 3])>,
+}
+
+impl Default for Work {
+    fn default() -> Self {
+        Self {
+            limits: Grid3::boxed(),
+            normals: Grid3::boxed(),
+            directions: Grid3::boxed(),
+            uvs: Grid3::boxed(),
+            heights: Heights::default(),
+            own: Default::default(),
+            others: Default::default(),
+            row: Vec::new(),
+            uv_row: Vec::new(),
+            replaced: Vec::new(),
+        }
+    }
+}
+
+impl Default for DisplacedPatch {
+    fn default() -> Self {
+        Self {
+            on: None,
+            simd: Level::SCALAR,
+            face: 0,
+            level: 0,
+            triangle: false,
+            has_uvs: false,
+            rims: Default::default(),
+            corners: Default::default(),
+            other: ChannelPatch::default(),
+            work: None,
+            spare: None,
+            relief: None,
+        }
+    }
+}
+
+/// Columns and rows of corners in units of the whole face.
+const QUAD: [[u32; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
+const TRIANGLE: [[u32; 2]; 3] = [[0, 0], [1, 0], [1, 1]];
+
+/// Grid point `k` of side `c` of a face of `n` segments.
+fn on_side(corners: &[[u32; 2]], c: usize, k: u32, n: u32) -> [u32; 2] {
+    let (a, b) = (corners[c], corners[(c + 1) % corners.len()]);
+    [0, 1].map(|i| a[i] * (n - k) + b[i] * k)
+}
+
+impl DisplacedPatch {
+    pub(super) fn set_simd(&mut self, simd: Level) {
+        self.simd = simd;
+        self.other.set_simd(simd);
+    }
+
+    /// Prepares face `q` of a displaced surface; false of one that is not.
+    pub(super) fn prepare(&mut self, surface: &Surface, q: u32, level: u32, sides: Sides) -> bool {
+        self.on.clone_from(&surface.displaced);
+        (self.face, self.level) = (q, level);
+        self.triangle = surface.triangles;
+        if let Some(work) = &mut self.work {
+            work.own.iter_mut().for_each(Jets::forget);
+            work.others.iter_mut().flatten().for_each(Jets::forget);
+        }
+        let Some(on) = self.on.clone() else {
+            return false;
+        };
+        self.has_uvs = on.displacement.reads_uvs() && surface.has_uvs();
+        if sides > Sides::Hull {
+            self.prepare_rims(surface, &on);
+        }
+        true
+    }
+
+    /// Whether texture coordinates are to be given.
+    pub(super) fn reads_uvs(&self) -> bool {
+        self.has_uvs
+    }
+
+    /// Grids for normals and texture coordinates of the limit, lent while a part is diced.
+    pub(super) fn take_spare(&mut self) -> [Box<Grid3>; 2] {
+        self.spare
+            .take()
+            .unwrap_or_else(|| [Grid3::boxed(), Grid3::boxed()])
+    }
+
+    pub(super) fn give_spare(&mut self, spare: [Box<Grid3>; 2]) {
+        self.spare = Some(spare);
+    }
+
+    /// The same for limit points, normals and texture coordinates, for relief.
+    pub(super) fn take_relief(&mut self) -> [Box<Grid3>; 3] {
+        (self.relief.take()).unwrap_or_else(|| [Grid3::boxed(), Grid3::boxed(), Grid3::boxed()])
+    }
+
+    pub(super) fn give_relief(&mut self, grids: [Box<Grid3>; 3]) {
+        self.relief = Some(grids);
+    }
+
+    /// Texture coordinates along side `c` of a face where they are linear.
+    pub(super) fn linear_side(&self, of: &[[f32; 3]; 4], c: usize) -> Vec<[f32; 3]> {
+        let (corners, n) = (self.corners(), 1_u32 << self.level);
+        let scale = 1.0 / n as f32;
+        let all = (0..=n).map(|k| on_side(corners, c, k, n).map(|x| x as f32 * scale));
+        all.map(|at| linear_at(of, self.triangle, at)).collect()
+    }
+
+    fn corners(&self) -> &'static [[u32; 2]] {
+        if self.triangle { &TRIANGLE } else { &QUAD }
+    }
+
+    fn prepare_rims(&mut self, surface: &Surface, on: &Displaced) {
+        let (whole, cut) = (surface.whole_quads(), surface.quads());
+        let uv_topology = if self.has_uvs {
+            surface.uv_topology()
+        } else {
+            None
+        };
+        let n = 1_usize << self.level;
+        for (c, h) in surface.halves_of(self.face).enumerate() {
+            let edge = whole.edge(h);
+            let owner = whole.edge_half(edge);
+            let twin = whole.twin(h);
+            let held = on.held_edges.contains(&edge);
+            let crease = !held && twin != NONE && (surface.linear || cut.twin(h) == NONE);
+            // Only twins answer for each other.
+            let own = owner == h || owner != twin;
+            let rim = &mut self.rims[c];
+            (rim.owner, rim.own, rim.crease) = (if own { h } else { owner }, own, crease);
+            rim.uvs.clear();
+            rim.directions.clear();
+            if held {
+                rim.directions.resize(n + 1, [0.0; 3]);
+            }
+            if crease && n > 1 {
+                self.crease_directions(surface, whole, c, h);
+            }
+            let seam =
+                !own && uv_topology.is_some_and(|t| surface.tables.is_some() || t.twin(h) == NONE);
+            if seam && n > 1 {
+                self.seam_uvs(surface, whole, c);
+            }
+        }
+        for (c, h) in surface.halves_of(self.face).enumerate() {
+            let v = whole.fan(h);
+            let first = |t: &Topology, fan: u32| t.fans()[fan as usize].first;
+            let uv = |h: u32| surface.uv_limit(h).unwrap_or_default();
+            let held = on.held_vertices.contains(&whole.vertex(h));
+            // Faces of the bilinear scheme have their own normals.
+            let owner = if surface.linear {
+                h
+            } else {
+                first(cut, cut.fan(h))
+            };
+            let corner = &mut self.corners[c];
+            corner.owner = owner;
+            corner.direction = match held {
+                true => Some([0.0; 3]),
+                false => on.directions.get(&v).copied(),
+            };
+            if self.has_uvs {
+                corner.uv = uv(first(whole, v));
+                corner.owner_uv = uv(owner);
+            }
+        }
+    }
+
+    /// Mitres along a crease, from the normals of both of its sides.
+    fn crease_directions(&mut self, surface: &Surface, whole: &Topology, c: usize, h: u32) {
+        let (first, second) = (
+            whole.edge_half(whole.edge(h)),
+            whole.twin(whole.edge_half(whole.edge(h))),
+        );
+        let mut normals = [first, second].map(|half| {
+            self.other.prepare_side(
+                surface,
+                Kind::Points,
+                whole.face_of(half),
+                self.level,
+                Sides::Normals,
+            );
+            let side = half - whole.face_halves(whole.face_of(half)).start;
+            self.other.side_samples(side as usize).1
+        });
+        let own = usize::from(first != h);
+        normals[1 - own].reverse();
+        let [a, b] = normals;
+        self.rims[c].directions = a.iter().zip(&b).map(|(&a, &b)| mitre(&[a, b])).collect();
+    }
+
+    /// Texture coordinates of the owner along a side.
+    fn seam_uvs(&mut self, surface: &Surface, whole: &Topology, c: usize) {
+        let half = self.rims[c].owner;
+        let face = whole.face_of(half);
+        let side = (half - whole.face_halves(face).start) as usize;
+        let mut uvs = match surface.has_linear_uvs() {
+            true => match surface.linear_corners(face) {
+                Some(of) => self.linear_side(&of, side),
+                None => return,
+            },
+            false => {
+                self.other
+                    .prepare_side(surface, Kind::Uvs, face, self.level, Sides::Points);
+                self.other.side_samples(side).0
+            }
+        };
+        uvs.reverse();
+        self.rims[c].uvs = uvs;
+    }
+
+    /// Calls `put` with every point of a part that lies on a side, corners left out: the side, its number there at the level that is
+    /// prepared, and its column and row in the part.
+    fn on_rims(&self, part: Part, mut put: impl FnMut(usize, u32, [usize; 2])) {
+        let corners = self.corners();
+        let n = 1_u32 << part.level;
+        let shift = self.level - part.level;
+        for c in 0..corners.len() {
+            for k in 1..n {
+                let at = on_side(corners, c, k, n);
+                let inside = |i: usize| {
+                    at[i]
+                        .checked_sub(part.start[i])
+                        .filter(|&x| x <= part.segments)
+                };
+                if let (Some(i), Some(j)) = (inside(0), inside(1)) {
+                    put(c, k << shift, [i as usize, j as usize]);
+                }
+            }
+        }
+    }
+
+    /// The same of corners.
+    fn on_corners(&self, part: Part, mut put: impl FnMut(usize, [usize; 2])) {
+        let n = 1_u32 << part.level;
+        for (c, at) in self.corners().iter().enumerate() {
+            let inside = |i: usize| {
+                (at[i] * n)
+                    .checked_sub(part.start[i])
+                    .filter(|&x| x <= part.segments)
+            };
+            if let (Some(i), Some(j)) = (inside(0), inside(1)) {
+                put(c, [i as usize, j as usize]);
+            }
+        }
+    }
+
+    /// Displaces a part of the face, whose limit points are in `points`, unit normals in `normals` and texture coordinates, if they are
+    /// read, in `uvs`. Normals become those of the displaced surface if `wants_normals`.
+    pub(super) fn displace(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        points: &mut Grid3,
+        normals: &mut Grid3,
+        uvs: Option<&Grid3>,
+        wants_normals: bool,
+    ) {
+        let Some(on) = self.on.clone() else { return };
+        let side = part.segments as usize + 1;
+        let size = BlockSize {
+            cols: side,
+            rows: side,
+        };
+        let mut work = self.work.take().unwrap_or_default();
+        work.replaced.clear();
+        for k in size.indices() {
+            work.directions.put(k, normals.at(k));
+            if let Some(uvs) = uvs {
+                work.uvs.put(k, uvs.at(k));
+            }
+            if wants_normals {
+                work.limits.put(k, points.at(k));
+                work.normals.put(k, normals.at(k));
+            }
+        }
+        self.on_rims(part, |c, k, [i, j]| {
+            let rim = &self.rims[c];
+            if let Some(&uv) = rim.uvs.get(k as usize) {
+                if rim.crease && wants_normals {
+                    work.replaced.push(([i, j], work.uvs.get(i, j)));
+                }
+                work.uvs.set(i, j, uv);
+            }
+            if let Some(&direction) = rim.directions.get(k as usize) {
+                work.directions.set(i, j, direction);
+            }
+        });
+        self.on_corners(part, |c, [i, j]| {
+            let corner = &self.corners[c];
+            if self.has_uvs {
+                work.uvs.set(i, j, corner.uv);
+            }
+            if let Some(direction) = corner.direction {
+                work.directions.set(i, j, direction);
+            }
+        });
+        on.displacement.grid(
+            self.simd,
+            size,
+            points,
+            &work.directions,
+            &work.uvs,
+            wants_normals,
+            &mut work.heights,
+        );
+        // Under slopes by pixel, normals are those of the limit.
+        let wants_normals = wants_normals && on.displacement.pixel_map().is_none();
+        if wants_normals {
+            self.normals(surface, &on, part, normals, &mut work);
+        }
+        if self.triangle && part.start[0] == part.start[1] {
+            fold(points, side);
+            if wants_normals {
+                fold(normals, side);
+            }
+        }
+        self.work = Some(work);
+    }
+
+    fn normals(
+        &self,
+        surface: &Surface,
+        on: &Displaced,
+        part: Part,
+        normals: &mut Grid3,
+        work: &mut Work,
+    ) {
+        let side = part.segments as usize + 1;
+        work.row.resize(side, Derivatives::default());
+        work.uv_row.resize(side, Derivatives::default());
+        let displacement = &on.displacement;
+        for j in 0..side {
+            let row = (part, j as u32);
+            let [own, own_uv] = &mut work.own;
+            let found = own.row::<2>(
+                surface,
+                Kind::Points,
+                self.level,
+                self.face,
+                row,
+                self.simd,
+                &mut work.row,
+            );
+            if !found {
+                differences(&work.limits, j, &mut work.row);
+            }
+            if self.has_uvs {
+                self.uv_row(surface, own_uv, row, &work.uvs, &mut work.uv_row);
+            }
+            for i in 0..side {
+                let k = j * BLOCK_STRIDE + i;
+                if work.directions.at(k) == [0.0; 3] {
+                    continue;
+                }
+                let around = Around {
+                    position: work.limits.at(k),
+                    normal: work.normals.at(k),
+                    bend: bend(&work.row[i]),
+                    uv: two(work.uvs.at(k)),
+                    uv_by: uv_by(&work.uv_row[i]),
+                };
+                normals.put(
+                    k,
+                    displacement.normal(&around, work.heights.values[k], work.heights.slopes.at(k)),
+                );
+            }
+        }
+        if surface.tables.is_some() {
+            return;
+        }
+        let n = 1_u32 << self.level;
+        // What belongs to others, once more.
+        let Work {
+            limits,
+            normals: limit_normals,
+            directions,
+            uvs,
+            heights,
+            own,
+            others,
+            replaced,
+            ..
+        } = work;
+        let site = |[i, j]: [usize; 2]| {
+            let k = j * BLOCK_STRIDE + i;
+            let is_held = directions.at(k) == [0.0; 3];
+            (!is_held).then(|| (k, limits.at(k), limit_normals.at(k), heights.values[k]))
+        };
+        self.on_rims(part, |c, k, at| {
+            let rim = &self.rims[c];
+            if !rim.own
+                && !rim.crease
+                && let Some((place, position, normal, height)) = site(at)
+            {
+                let slope = heights.slopes.at(place);
+                let uv = two(uvs.at(place));
+                let found = self.around(
+                    surface,
+                    &mut others[c],
+                    self.place_of(surface, rim.owner, n - k),
+                    (position, normal, uv),
+                );
+                if let Some(around) = found {
+                    normals.put(place, displacement.normal(&around, height, slope));
+                }
+            }
+        });
+        for &(at, uv) in replaced.iter() {
+            // The side of a crease that has other texture coordinates than its owner.
+            let scale = 1.0 / (1_u32 << part.level) as f32;
+            let own_place = [0, 1].map(|k| (part.start[k] + at[k] as u32) as f32 * scale);
+            if let Some((place, position, normal, height)) = site(at)
+                && let Some(around) = self.around(
+                    surface,
+                    own,
+                    (self.face, own_place),
+                    (position, normal, two(uv)),
+                )
+            {
+                let slope = displacement.slope_at(position, around.uv).1;
+                normals.put(place, displacement.normal(&around, height, slope));
+            }
+        }
+        self.on_corners(part, |c, at| {
+            if let Some((place, position, normal, height)) = site(at)
+                && let Some(found) = self.corner_normal(surface, on, c, (position, normal), height)
+            {
+                normals.put(place, found);
+            }
+        });
+    }
+
+    /// Normal at corner `c`, by the first face of its fan.
+    fn corner_normal(
+        &self,
+        surface: &Surface,
+        on: &Displaced,
+        c: usize,
+        (position, normal): ([f32; 3], [f32; 3]),
+        height: f32,
+    ) -> Option<[f32; 3]> {
+        let corner = &self.corners[c];
+        let place = self.place_of(surface, corner.owner, 0);
+        let mut jets = <[Jets; 2]>::default();
+        let around = self.around(
+            surface,
+            &mut jets,
+            place,
+            (position, normal, two(corner.owner_uv)),
+        )?;
+        let slope = on.displacement.slope_at(position, around.uv).1;
+        Some(on.displacement.normal(&around, height, slope))
+    }
+
+    /// Face and place of point `k` of the side that half-edge `half` is, at the level that is prepared.
+    fn place_of(&self, surface: &Surface, half: u32, k: u32) -> (u32, [f32; 2]) {
+        let whole = surface.whole_quads();
+        let face = whole.face_of(half);
+        let side = (half - whole.face_halves(face).start) as usize;
+        let n = 1_u32 << self.level;
+        (
+            face,
+            on_side(self.corners(), side, k, n).map(|x| x as f32 / n as f32),
+        )
+    }
+
+    /// The limit surface around a point of another face.
+    fn around(
+        &self,
+        surface: &Surface,
+        [points, uvs]: &mut [Jets; 2],
+        (face, at): (u32, [f32; 2]),
+        (position, normal, uv): ([f32; 3], [f32; 3], [f32; 2]),
+    ) -> Option<Around> {
+        let found = points.at::<2>(surface, Kind::Points, self.level, face, at)?;
+        let by = match self.has_uvs {
+            true => self.uv_at(surface, uvs, face, at),
+            false => Derivatives::default(),
+        };
+        Some(Around {
+            position,
+            normal,
+            bend: bend(&found),
+            uv,
+            uv_by: uv_by(&by),
+        })
+    }
+
+    /// Displaces the samples of side `c` in place; `uvs` are its texture coordinates if they are read.
+    pub(super) fn displace_side(
+        &mut self,
+        surface: &Surface,
+        c: usize,
+        points: &mut [[f32; 3]],
+        normals: &mut [[f32; 3]],
+        uvs: &[[f32; 3]],
+    ) {
+        let Some(on) = self.on.clone() else { return };
+        let n = points.len() - 1;
+        let next = (c + 1) % self.corners().len();
+        let mut work = self.work.take().unwrap_or_default();
+        for first in (0..=n).step_by(BLOCK_POINTS) {
+            let size = BlockSize {
+                cols: BLOCK_POINTS.min(n + 1 - first),
+                rows: 1,
+            };
+            for (i, k) in (first..first + size.cols).enumerate() {
+                let rim = &self.rims[c];
+                let corner = if k == 0 {
+                    Some(c)
+                } else {
+                    (k == n).then_some(next)
+                };
+                let (uv, direction) = match corner.map(|c| &self.corners[c]) {
+                    Some(corner) => (Some(corner.uv), corner.direction),
+                    None => {
+                        let uv = rim.uvs.get(k).or(uvs.get(k));
+                        (uv.copied(), rim.directions.get(k).copied())
+                    }
+                };
+                work.limits.put(i, points[k]);
+                work.uvs.put(i, uv.unwrap_or_default());
+                work.directions.put(i, direction.unwrap_or(normals[k]));
+            }
+            work.normals.clone_from(&work.limits);
+            on.displacement.grid(
+                self.simd,
+                size,
+                &mut work.normals,
+                &work.directions,
+                &work.uvs,
+                true,
+                &mut work.heights,
+            );
+            for (i, k) in (first..first + size.cols).enumerate() {
+                let (position, normal) = (points[k], normals[k]);
+                points[k] = work.normals.at(i);
+                if work.directions.at(i) == [0.0; 3] {
+                    continue;
+                }
+                let height = work.heights.values[i];
+                let corner = if k == 0 {
+                    Some(c)
+                } else {
+                    (k == n).then_some(next)
+                };
+                if let Some(corner) = corner {
+                    let found =
+                        self.corner_normal(surface, &on, corner, (position, normal), height);
+                    normals[k] = found.unwrap_or(normal);
+                    continue;
+                }
+                let rim = &self.rims[c];
+                let own = surface.halves_of(self.face).start + c as u32;
+                let at_owner = !rim.own && !rim.crease;
+                let (half, at) = if at_owner {
+                    (rim.owner, n - k)
+                } else {
+                    (own, k)
+                };
+                let uv = match (rim.crease, uvs.get(k)) {
+                    (true, Some(&uv)) => two(uv),
+                    _ => two(work.uvs.at(i)),
+                };
+                let place = self.place_of(surface, half, at as u32);
+                if let Some(around) =
+                    self.around(surface, &mut work.others[c], place, (position, normal, uv))
+                {
+                    let slope = on.displacement.slope_at(position, uv).1;
+                    normals[k] = on.displacement.normal(&around, height, slope);
+                }
+            }
+        }
+        self.work = Some(work);
+    }
+
+    /// Leaves in `out` the vectors by which slopes of the map tilt normals, at the points of a part: limit points and normals, and texture
+    /// coordinates.
+    pub(super) fn tilts(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        out: [&mut Grid3; 2],
+    ) {
+        let Some(on) = self.on.clone() else { return };
+        let mut work = self.work.take().unwrap_or_default();
+        self.each_around(
+            surface,
+            part,
+            [points, normals, uvs],
+            &mut work,
+            |k, around| {
+                let (height, _) = on.displacement.slope_at(around.position, around.uv);
+                let [a, b] = on.displacement.tilts(around, height);
+                out[0].put(k, a);
+                out[1].put(k, b);
+            },
+        );
+        self.work = Some(work);
+    }
+
+    /// Leaves in `out` the derivatives of the limit surface by its texture coordinates.
+    pub(super) fn tangents(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        out: [&mut Grid3; 2],
+    ) {
+        let mut work = self.work.take().unwrap_or_default();
+        self.each_around(
+            surface,
+            part,
+            [points, normals, uvs],
+            &mut work,
+            |k, around| {
+                let [a, b] = around.bend.by_uv(around.uv_by);
+                out[0].put(k, a);
+                out[1].put(k, b);
+            },
+        );
+        self.work = Some(work);
+    }
+
+    fn each_around(
+        &self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        work: &mut Work,
+        mut each: impl FnMut(usize, &Around),
+    ) {
+        let side = part.segments as usize + 1;
+        work.row.resize(side, Derivatives::default());
+        work.uv_row.resize(side, Derivatives::default());
+        for j in 0..side {
+            let row = (part, j as u32);
+            let [own, own_uv] = &mut work.own;
+            if !own.row::<2>(
+                surface,
+                Kind::Points,
+                self.level,
+                self.face,
+                row,
+                self.simd,
+                &mut work.row,
+            ) {
+                differences(points, j, &mut work.row);
+            }
+            self.uv_row(surface, own_uv, row, uvs, &mut work.uv_row);
+            for i in 0..side {
+                let k = j * BLOCK_STRIDE + i;
+                each(
+                    k,
+                    &Around {
+                        position: points.at(k),
+                        normal: normals.at(k),
+                        bend: bend(&work.row[i]),
+                        uv: two(uvs.at(k)),
+                        uv_by: uv_by(&work.uv_row[i]),
+                    },
+                );
+            }
+        }
+    }
+
+    fn uv_row(
+        &self,
+        surface: &Surface,
+        jets: &mut Jets,
+        row: (Part, u32),
+        uvs: &Grid3,
+        out: &mut [Derivatives],
+    ) {
+        if surface.has_linear_uvs() {
+            let scale = 1.0 / (1_u32 << row.0.level) as f32;
+            let t = (row.0.start[1] + row.1) as f32 * scale;
+            for (i, out) in (0..).zip(&mut *out) {
+                let s = (row.0.start[0] + i) as f32 * scale;
+                *out = linear_derivatives(surface, self.face, self.triangle, [s, t]);
+            }
+            return;
+        }
+        if !jets.row::<1>(
+            surface,
+            Kind::Uvs,
+            self.level,
+            self.face,
+            row,
+            self.simd,
+            out,
+        ) {
+            differences(uvs, row.1 as usize, out);
+        }
+    }
+
+    fn uv_at(&self, surface: &Surface, jets: &mut Jets, face: u32, at: [f32; 2]) -> Derivatives {
+        if surface.has_linear_uvs() {
+            return linear_derivatives(surface, face, self.triangle, at);
+        }
+        (jets.at::<1>(surface, Kind::Uvs, self.level, face, at)).unwrap_or_default()
+    }
+}
+
+fn bend(d: &Derivatives) -> Bend {
+    Bend {
+        du: d.du,
+        dv: d.dv,
+        second: d.second,
+    }
+}
+
+fn two([u, v, _]: [f32; 3]) -> [f32; 2] {
+    [u, v]
+}
+
+fn uv_by(d: &Derivatives) -> [[f32; 2]; 2] {
+    [two(d.du), two(d.dv)]
+}
+
+/// Texture coordinates that are linear between the corners.
+pub(super) fn linear_at(c: &[[f32; 3]; 4], triangle: bool, [s, t]: [f32; 2]) -> [f32; 3] {
+    let at = |k: usize| {
+        if triangle {
+            // Above the diagonal, everything is folded onto it.
+            let t = t.min(s);
+            return (c[0][k] * (1.0 - s) + c[1][k] * (s - t)) + c[2][k] * t;
+        }
+        (c[0][k] * (1.0 - s) + c[1][k] * s) * (1.0 - t) + (c[3][k] * (1.0 - s) + c[2][k] * s) * t
+    };
+    [at(0), at(1), 0.0]
+}
+
+fn linear_derivatives(
+    surface: &Surface,
+    face: u32,
+    triangle: bool,
+    [s, t]: [f32; 2],
+) -> Derivatives {
+    let Some(c) = surface.linear_corners(face) else {
+        return Derivatives::default();
+    };
+    let along = |a: usize, b: usize| [0, 1, 2].map(|k| c[b][k] - c[a][k]);
+    let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|k| a[k] * (1.0 - t) + b[k] * t);
+    let (du, dv) = match triangle {
+        // By the weights of corners 1 and 2, as everything of triangles.
+        true => (along(0, 1), along(0, 2)),
+        false => (
+            mix(along(0, 1), along(3, 2), t),
+            mix(along(0, 3), along(1, 2), s),
+        ),
+    };
+    Derivatives {
+        du,
+        dv,
+        second: Default::default(),
+    }
+}
+
+/// Derivatives of surfaces that have no formula: differences of the grid.
+fn differences(grid: &Grid3, j: usize, out: &mut [Derivatives]) {
+    let last = out.len() - 1;
+    let step = |k: usize| (k.saturating_sub(1), (k + 1).min(last));
+    for (i, out) in out.iter_mut().enumerate() {
+        let ((i0, i1), (j0, j1)) = (step(i), step(j));
+        let between = |a: [f32; 3], b: [f32; 3], steps: usize| {
+            [0, 1, 2].map(|k| (b[k] - a[k]) / steps.max(1) as f32)
+        };
+        out.du = between(grid.get(i0, j), grid.get(i1, j), i1 - i0);
+        out.dv = between(grid.get(i, j0), grid.get(i, j1), j1 - j0);
+        out.second = Default::default();
+    }
+}
+
+/// Repeats the diagonal above it.
+fn fold(grid: &mut Grid3, side: usize) {
+    for j in 1..side {
+        let p = grid.get(j, j);
+        (0..j).for_each(|i| grid.set(i, j, p));
+    }
+}

@@ -1,0 +1,72 @@
+//! Normals of displaced surfaces against differences in double precision.
+
+use super::*;
+
+/// Largest angle in degrees between normals at `level` and fourth-order differences of the points `stride` apart, inside of faces and, one
+/// sided, on their sides.
+fn worst(surface: &Surface, level: u32, stride: usize) -> f64 {
+    let mut worst = 0.0_f64;
+    for q in 0..surface.quads().face_count() as u32 {
+        let grid = surface.dice(q, level);
+        let n = grid.side;
+        let at = |i: usize, j: usize| grid.points[j * n + i].map(f64::from);
+        let slope = |k: usize, at: &dyn Fn(usize) -> [f64; 3]| {
+            let s = stride;
+            let (weights, first): ([f64; 5], usize) = if k < 2 * s {
+                ([-25.0, 48.0, -36.0, 16.0, -3.0], k)
+            } else if k + 2 * s >= n {
+                ([3.0, -16.0, 36.0, -48.0, 25.0], k - 4 * s)
+            } else {
+                ([1.0, -8.0, 0.0, 8.0, -1.0], k - 2 * s)
+            };
+            let mut sum = [0.0; 3];
+            for (m, w) in weights.iter().enumerate() {
+                let p = at(first + m * s);
+                (0..3).for_each(|c| sum[c] += w * p[c]);
+            }
+            sum
+        };
+        for j in (0..n).step_by(stride) {
+            for i in (0..n).step_by(stride) {
+                let du = slope(i, &|k| at(k, j));
+                let dv = slope(j, &|k| at(i, k));
+                let cross = [
+                    du[1] * dv[2] - du[2] * dv[1],
+                    du[2] * dv[0] - du[0] * dv[2],
+                    du[0] * dv[1] - du[1] * dv[0],
+                ];
+                let normal = grid.normals[j * n + i].map(f64::from);
+                let sin = {
+                    let c = [
+                        cross[1] * normal[2] - cross[2] * normal[1],
+                        cross[2] * normal[0] - cross[0] * normal[2],
+                        cross[0] * normal[1] - cross[1] * normal[0],
+                    ];
+                    (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).sqrt()
+                };
+                let cos = (0..3).map(|c| cross[c] * normal[c]).sum::<f64>();
+                worst = worst.max(sin.atan2(cos).to_degrees());
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn normals_are_those_of_the_displaced_surface() {
+    // Slopes up to about 1, heights up to a third of the radius of curvature.
+    for (what, displacement, stride) in [
+        (
+            "ripples",
+            noise("ripples:frequency=0.5,x=0.3,y=0.2").scaled(0.2),
+            2,
+        ),
+        ("perlin", noise("perlin:frequency=0.6").scaled(0.25), 1),
+    ] {
+        let mut surface = torus(12, 8, false, &SurfaceOptions::default());
+        surface.set_displacement(Some(displacement));
+        let found = worst(&surface, 7, 2 * stride);
+        println!("{what}: {found:.4} degrees");
+        assert!(found < 0.05, "{what}: {found} degrees");
+    }
+}
