@@ -34,7 +34,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     (
         "evaluate",
-        &["math", "control", "dice", "surface", "Surface"],
+        &[
+            "math", "mesh", "control", "dice", "surface", "Cage", "Surface",
+        ],
     ),
     (
         "stream",
