@@ -580,6 +580,10 @@ impl Surface {
     pub fn is_triangular(&self) -> bool {
         self.triangles
     }
+    /// How the cage was read.
+    pub(crate) fn options(&self) -> &SurfaceOptions {
+        &self.options
+    }
     /// The scheme it is subdivided by.
     #[must_use]
     pub fn scheme(&self) -> Scheme {

@@ -40,7 +40,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     (
         "evaluate",
-        &["math", "control", "dice", "surface", "Surface"],
+        &[
+            "math", "mesh", "control", "dice", "surface", "Cage", "Surface",
+        ],
     ),
     (
         "distance",
