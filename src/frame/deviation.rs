@@ -1,4 +1,4 @@
-//! How far what is drawn is from the limit surface on the screen: the drawn triangles against the surface at the same parameters. Tests and
+//! How far what is drawn is from the limit surface, or from its patches, on the screen: the drawn triangles against the surface at the same parameters. Tests and
 //! benchmarks hold adaptive tessellation against this, on the very blocks that pictures are made of.
 
 use super::source::{Attributes, Source, SourceScratch};
@@ -6,6 +6,7 @@ use super::{Frame, RenderError, Renderer, Scene};
 use crate::camera::View;
 use crate::evaluate::Sample;
 use crate::math;
+use crate::patch::PatchKind;
 use crate::records::Grid3;
 use crate::surface::Surface;
 use rayon::prelude::*;
@@ -184,7 +185,16 @@ impl Worker {
             let Some(mut evaluator) = surface.face_evaluator(surface.cage_face(quad)) else {
                 continue;
             };
+            let patch = &self.scratch.patch;
             let mut limit = |u: f32, v: f32| {
+                if surface.patch_kind() != PatchKind::None {
+                    let (position, normal) = patch.patch_at(u, v);
+                    return Some(Sample {
+                        position,
+                        normal,
+                        ..Sample::default()
+                    });
+                }
                 let [u, v] = cage_place(surface, quad, [u, v]);
                 evaluator.at_as::<Sample>(u, v)
             };

@@ -5,7 +5,7 @@ use super::screen::Metric;
 use super::surplus::{Square as Sampled, Surplus};
 use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
-use crate::records::Grid3;
+use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
 use crate::tessellate::CHUNK;
@@ -213,6 +213,7 @@ impl<'a> Worker<'a> {
             &mut self.points,
             Some(&mut self.normals),
         );
+        let hides = self.hides(part);
         self.surplus
             .grid(self.metric, log, &mut self.points, &self.normals);
         let last = (1 << depth) - 1;
@@ -227,16 +228,40 @@ impl<'a> Worker<'a> {
         let need = levels.find(&sampled, &self.surplus, cap, [0, 0, 0]);
         // A few samples tell enough of what needs next to nothing.
         let more = LOGS.into_iter().find(|&l| l > log);
-        match more.filter(|_| need + 1 > log && level < deepest) {
+        match more.filter(|_| (need + 1 > log || hides) && level < deepest) {
             Some(more) => {
                 self.levels = levels;
                 self.grow(q, node, more);
+            }
+            None if hides && level < self.metric.max_level && depth < self.tree.deepest => {
+                self.levels = levels;
+                let first = self.tree.split(node);
+                for [x, y] in Levels::children(sampled.shape, 0, 0) {
+                    self.grow(q, first + (x + 2 * y) as usize, MAX_LOG);
+                }
             }
             None => {
                 self.cut(q, node, &levels, sampled.shape, [0, 0, 0]);
                 self.levels = levels;
             }
         }
+    }
+
+    /// Whether the displaced surface may leave its samples unseen by more than is allowed.
+    fn hides(&self, part: Square) -> bool {
+        let height = self.patch.hidden(self.surface, part, &self.points);
+        if height == 0.0 {
+            return false;
+        }
+        let side = part.segments as usize + 1;
+        let size = BlockSize {
+            cols: side,
+            rows: side,
+        };
+        let depths = size.indices().map(|k| self.metric.depth(self.points.at(k)));
+        self.metric
+            .height(height, depths.fold(f32::INFINITY, f32::min))
+            > 1.0
     }
 
     /// Cuts leaf `node`, square (`x`, `y`) at `depth` of samples over a square of shape `s`, into blocks.

@@ -64,6 +64,22 @@ impl<'a> Metric<'a> {
         }
     }
 
+    /// Distance along the view axis; what is nearer than the near plane is as far behind it.
+    #[inline(always)]
+    pub(super) fn depth(&self, p: [f32; 3]) -> f32 {
+        let near = self.view.near;
+        near + (self.view.distance(p) - near).abs()
+    }
+
+    /// Of a height that may stand anywhere on a surface whose nearest point is at depth `nearest`, by what is allowed.
+    pub(super) fn height(&self, height: f32, nearest: f32) -> f32 {
+        let pixels = match self.view.projection.ortho {
+            true => height * self.view.scale,
+            false => height * self.view.scale / nearest,
+        };
+        pixels * self.pixels
+    }
+
     /// Of `n` points `of[0]` and the ends `of[1]`, `of[2]` of their edges, each as the eye sees it and with its unit normal: how far the point
     /// is from the edge's middle, and its normal from what the ends' make there, by what is allowed; and the edge's length in pixels.
     ///
