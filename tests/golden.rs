@@ -5,6 +5,8 @@
 //! picture, figures, and a page to look at them under `target/golden/`.
 
 mod common;
+#[path = "golden/displaced.rs"]
+mod displaced;
 
 use earmark::compare::{compare, difference};
 use earmark::film::Image;
@@ -15,6 +17,7 @@ use earmark::patch::PatchKind;
 use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::simd::Level;
+use earmark::tessellate::{DepthTags, Pattern};
 use earmark::{Camera, Renderer, SurfaceOptions, film};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -30,6 +33,8 @@ struct Golden {
     samples: u32,
     camera: Camera,
     patches: PatchKind,
+    /// Depth tags in place of the level, and whether vertices have random ones.
+    tags: Option<(DepthTags, bool)>,
 }
 
 /// Scheme and level are part of the name.
@@ -47,6 +52,7 @@ fn goldens() -> Vec<Golden> {
             samples,
             camera,
             patches: PatchKind::None,
+            tags: None,
         });
     };
     let camera = Camera::default();
@@ -149,6 +155,23 @@ fn goldens() -> Vec<Golden> {
         1,
         camera,
     );
+    for (asset, level, what) in displaced::ALL {
+        add(
+            asset,
+            level,
+            what,
+            Drawing::Limit,
+            ShadeMode::Lit,
+            4,
+            camera,
+        );
+    }
+    // What follows a blank is a name of its own.
+    for g in &mut out {
+        if let Some((_, name)) = g.name.split_once(' ') {
+            g.name = name.to_owned();
+        }
+    }
     for (asset, scheme, level) in [
         ("part_creased", Scheme::CatmullClark, 3),
         ("part_creased", Scheme::Bilinear, 2),
@@ -170,6 +193,7 @@ fn goldens() -> Vec<Golden> {
             samples: 4,
             camera,
             patches: PatchKind::None,
+            tags: None,
         });
     }
     for (asset, scheme, kind, patches) in [
@@ -190,7 +214,54 @@ fn goldens() -> Vec<Golden> {
             samples: 4,
             camera,
             patches,
+            tags: None,
         });
+    }
+    out.extend(tagged());
+    out
+}
+
+/// Topics of their own: depth tags and refinement patterns.
+fn tagged() -> Vec<Golden> {
+    let by = |pattern| DepthTags {
+        pattern: Some(pattern),
+        ..DepthTags::GIVEN
+    };
+    let topics = [
+        ("tags_distance", DepthTags::by_distance(), false),
+        ("tags_random", DepthTags::GIVEN, true),
+        ("pattern_split", by(Pattern::Split), true),
+        ("pattern_equilateral", by(Pattern::Equilateral), true),
+    ];
+    let mut out = Vec::new();
+    for (topic, tags, random) in topics {
+        for (asset, scheme) in [
+            ("creature", Scheme::CatmullClark),
+            ("octahedron", Scheme::Loop),
+        ] {
+            for (what, mode) in [
+                ("", ShadeMode::Lit),
+                ("_flat", ShadeMode::Flat),
+                ("_level", ShadeMode::Level),
+            ] {
+                // One model tells the levels; lit and flat, both.
+                if mode == ShadeMode::Level && asset == "octahedron" {
+                    continue;
+                }
+                out.push(Golden {
+                    name: format!("{topic}_{asset}{what}"),
+                    asset,
+                    scheme,
+                    level: 0,
+                    drawing: Drawing::Limit,
+                    mode,
+                    samples: 4,
+                    camera: Camera::default(),
+                    patches: PatchKind::None,
+                    tags: Some((tags, random)),
+                });
+            }
+        }
     }
     out
 }
@@ -250,10 +321,18 @@ fn draw(g: &Golden, simd: Level) -> Image {
         let path = common::assets().join(format!("{}.obj", g.asset));
         loader.add_file(&path).unwrap();
     }
-    let scene = loader.finish().0;
+    let mut scene = loader.finish().0;
+    displaced::edit(&g.name, &mut scene);
     let mut renderer = Renderer::new(256, 256);
     renderer.size.samples = g.samples;
     renderer.refinement = Refinement::Uniform(g.level);
+    if let Some((tags, random)) = g.tags {
+        renderer.refinement = Refinement::DepthTags(tags);
+        let mut numbers = common::Random(11);
+        let count = scene.objects[0].surface.cage().points().len();
+        let tags = (0..count).map(|_| (numbers.next() % 6) as u8);
+        scene.objects[0].depth_tags = if random { tags.collect() } else { Vec::new() };
+    }
     renderer.drawing = g.drawing;
     renderer.mode = g.mode;
     renderer.simd = simd;

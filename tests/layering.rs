@@ -98,7 +98,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "load",
         &[
-            "files", "frame", "mesh", "patch", "shade", "surface", "texture", "limits", "scheme",
+            "files", "frame", "mesh", "patch", "shade", "surface", "texture", "topology", "limits",
+            "scheme",
         ],
     ),
 ];

@@ -144,15 +144,25 @@ impl Stages {
 pub(crate) fn frame_stages(stats: &earmark::frame::FrameStats, cpu: f64) -> Stages {
     use earmark::frame::Stage;
     let ms = |d: std::time::Duration| d.as_secs_f64() * 1e3;
-    let fused = [Stage::Dice, Stage::Tile, Stage::Shade, Stage::Film];
+    let fused = [
+        Stage::Dice,
+        Stage::Displace,
+        Stage::Tile,
+        Stage::Shade,
+        Stage::Film,
+    ];
     let sum: f64 = fused.iter().map(|&s| ms(stats.times.get(s))).sum();
     let mut walls = vec![
         (Stage::Flatness, ms(stats.flatness)),
-        (Stage::DepthTags, ms(stats.depth_tags)),
-        (Stage::Patterns, ms(stats.patterns)),
         (Stage::Setup, ms(stats.wall[0])),
         (Stage::Bin, ms(stats.wall[1])),
     ];
+    // Stages that most frames do not have.
+    let rare = [
+        (Stage::DepthTags, ms(stats.depth_tags)),
+        (Stage::Patterns, ms(stats.patterns)),
+    ];
+    walls.extend(rare.into_iter().filter(|&(_, wall)| wall > 0.0));
     walls.extend(fused.map(|stage| {
         let share = ms(stats.times.get(stage)) / sum.max(1e-9);
         (stage, ms(stats.wall[2]) * share)
