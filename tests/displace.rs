@@ -1,15 +1,19 @@
 //! Displacement: points and normals against independent arithmetic, one owner for everything that is shared, and no crack anywhere.
 
-mod common;
-#[path = "common/coverage.rs"]
-mod coverage;
-#[path = "displace/closed.rs"]
-mod closed;
-#[path = "displace/normals.rs"]
-mod normals;
 #[cfg(feature = "cli")]
 #[path = "displace/cli.rs"]
 mod cli;
+#[path = "displace/closed.rs"]
+mod closed;
+mod common;
+#[path = "common/coverage.rs"]
+mod coverage;
+#[path = "displace/normals.rs"]
+mod normals;
+#[path = "displace/refined.rs"]
+mod refined;
+#[path = "displace/relief.rs"]
+mod relief;
 #[path = "displace/seams.rs"]
 mod seams;
 

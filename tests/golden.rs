@@ -148,7 +148,15 @@ fn goldens() -> Vec<Golden> {
         camera,
     );
     for (asset, level, what) in displaced::ALL {
-        add(asset, level, what, Drawing::Limit, ShadeMode::Lit, 4, camera);
+        add(
+            asset,
+            level,
+            what,
+            Drawing::Limit,
+            ShadeMode::Lit,
+            4,
+            camera,
+        );
     }
     // What follows a blank is a name of its own.
     for g in &mut out {

@@ -18,7 +18,9 @@ impl Displacement {
         }
         match &self.kind {
             Kind::Map(map) => self.scale.abs() * of_map(map, side, uvs),
-            Kind::Function(function) => self.scale.abs() * of_function(function, spacing(side, points)),
+            Kind::Function(function) => {
+                self.scale.abs() * of_function(function, spacing(side, points))
+            }
             Kind::Vector { .. } => 0.0,
         }
     }
@@ -45,7 +47,11 @@ fn of_function(function: &Function, spacing: f32) -> f32 {
     /// Largest second derivative of an octave of frequency 1: of noise, found by search, and of a cosine.
     const NOISE: f32 = 9.0;
     const WAVE: f32 = 39.5;
-    let bend = if function.shape == Shape::Ripples { WAVE } else { NOISE };
+    let bend = if function.shape == Shape::Ripples {
+        WAVE
+    } else {
+        NOISE
+    };
     let octaves = function.octaves().map(|[frequency, weight]| {
         let d = frequency * spacing;
         (bend * d * d * 0.125).min(2.0) * weight
@@ -111,7 +117,10 @@ mod tests {
     fn functions_are_shown_by_dense_samples() {
         let f: Function = "fbm:frequency=4".parse().unwrap();
         let steps = [1.0, 0.1, 0.01, 0.001].map(|d| of_function(&f, d));
-        assert!(steps.windows(2).all(|w| w[1] < w[0]) && steps[3] < 0.005, "{steps:?}");
+        assert!(
+            steps.windows(2).all(|w| w[1] < w[0]) && steps[3] < 0.005,
+            "{steps:?}"
+        );
         // The bound of second derivatives, by differences.
         let f: Function = "perlin".parse().unwrap();
         let mut most = 0.0_f32;

@@ -329,7 +329,8 @@ impl DisplacedPatch {
             if crease && n > 1 {
                 self.crease_directions(surface, whole, c, h);
             }
-            let seam = !own && uv_topology.is_some_and(|t| surface.tables.is_some() || t.twin(h) == NONE);
+            let seam =
+                !own && uv_topology.is_some_and(|t| surface.tables.is_some() || t.twin(h) == NONE);
             if seam && n > 1 {
                 self.seam_uvs(surface, whole, c);
             }

@@ -17,12 +17,33 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let smooth = SurfaceOptions::default();
     let triangles = torus(6, 6, true, &smooth).cage().triangulated();
     let mut out = vec![
-        ("map on seams", displaced(torus(6, 6, false, &smooth), map())),
-        ("map on creases", displaced(torus(6, 6, true, &smooth), map())),
-        ("noise on creases", displaced(torus(6, 6, true, &smooth), noise("ridged:frequency=2").scaled(0.2))),
-        ("map on triangles", displaced(Surface::new(triangles, &by(Scheme::Loop)), map())),
-        ("map on kobbelt", displaced(torus(6, 6, false, &by(Scheme::Kobbelt)), map())),
-        ("map on bilinear", displaced(torus(6, 6, false, &by(Scheme::Bilinear)), map())),
+        (
+            "map on seams",
+            displaced(torus(6, 6, false, &smooth), map()),
+        ),
+        (
+            "map on creases",
+            displaced(torus(6, 6, true, &smooth), map()),
+        ),
+        (
+            "noise on creases",
+            displaced(
+                torus(6, 6, true, &smooth),
+                noise("ridged:frequency=2").scaled(0.2),
+            ),
+        ),
+        (
+            "map on triangles",
+            displaced(Surface::new(triangles, &by(Scheme::Loop)), map()),
+        ),
+        (
+            "map on kobbelt",
+            displaced(torus(6, 6, false, &by(Scheme::Kobbelt)), map()),
+        ),
+        (
+            "map on bilinear",
+            displaced(torus(6, 6, false, &by(Scheme::Bilinear)), map()),
+        ),
     ];
     for (asset, scale) in [("creature", 0.05), ("octahedron", 0.3)] {
         let mut scene = common::load(&common::assets().join(format!("{asset}.obj")));
@@ -30,7 +51,9 @@ fn scenes() -> Vec<(&'static str, Scene)> {
             "creature" => map().scaled(scale).biased(0.0),
             _ => noise("fbm:frequency=2").scaled(scale),
         };
-        scene.objects[0].surface.set_displacement(Some(displacement));
+        scene.objects[0]
+            .surface
+            .set_displacement(Some(displacement));
         out.push((asset, scene));
     }
     out.retain(|(_, scene)| common::is_closed(&scene.objects[0].surface));
@@ -40,7 +63,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 #[test]
 fn closed_models_have_as_many_fronts_as_backs() {
     for (name, scene) in scenes() {
-        for level in [0, 1, 3, 6] {
+        for level in [0, 1, 2, 3, 5, 6] {
             if level > 3 && scene.face_count() > 200 {
                 continue;
             }
@@ -56,7 +79,9 @@ fn closed_models_have_as_many_fronts_as_backs() {
                 max_level: 6,
             });
             for view in coverage::views(&scene, &renderer, 3, 9) {
-                let c = renderer.signed_coverage(&scene, &view, CoverageFault::None).unwrap();
+                let c = renderer
+                    .signed_coverage(&scene, &view, CoverageFault::None)
+                    .unwrap();
                 assert_eq!(c.unequal, 0, "{name} at {pixels} px: {c:?}");
             }
         }
@@ -65,7 +90,10 @@ fn closed_models_have_as_many_fronts_as_backs() {
 
 #[test]
 fn pictures_have_the_same_bytes_for_any_threads_and_instructions() {
-    let scenes: Vec<_> = scenes().into_iter().filter(|s| s.0.contains("creases") || s.0.contains("triangles")).collect();
+    let scenes: Vec<_> = scenes()
+        .into_iter()
+        .filter(|s| s.0.contains("creases") || s.0.contains("triangles"))
+        .collect();
     assert_eq!(scenes.len(), 3);
     for (name, scene) in scenes {
         for refinement in [
@@ -79,12 +107,18 @@ fn pictures_have_the_same_bytes_for_any_threads_and_instructions() {
                 let mut renderer = Renderer::new(120, 120);
                 renderer.refinement = refinement;
                 renderer.simd = simd;
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .unwrap();
                 pool.install(|| renderer.render(&scene, &Camera::default()).unwrap().image)
             };
             let first = draw(1, Level::SCALAR);
             for (threads, simd) in [(2, Level::SCALAR), (8, Level::detect())] {
-                assert!(draw(threads, simd) == first, "{name} {refinement:?} {threads} {simd:?}");
+                assert!(
+                    draw(threads, simd) == first,
+                    "{name} {refinement:?} {threads} {simd:?}"
+                );
             }
             for simd in Level::available() {
                 assert!(draw(1, simd) == first, "{name} {refinement:?} {simd:?}");

@@ -35,7 +35,13 @@ fn studs(side: u32) -> Texture {
         let [x, y] = if r2 < 0.64 { [x, y] } else { [0.0; 2] };
         [code(x), code(y), code((1.0 - x * x - y * y).sqrt()), 255]
     };
-    Texture::from_rgba8(side, side, (0..side * side).map(texel).collect(), Meaning::Data).unwrap()
+    Texture::from_rgba8(
+        side,
+        side,
+        (0..side * side).map(texel).collect(),
+        Meaning::Data,
+    )
+    .unwrap()
 }
 
 pub fn edit(name: &str, scene: &mut Scene) {
@@ -53,5 +59,7 @@ pub fn edit(name: &str, scene: &mut Scene) {
         }
         _ => return,
     };
-    scene.objects[0].surface.set_displacement(Some(displacement));
+    scene.objects[0]
+        .surface
+        .set_displacement(Some(displacement));
 }

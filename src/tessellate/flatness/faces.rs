@@ -238,7 +238,9 @@ impl<'a> Worker<'a> {
             rows: side,
         };
         let depths = size.indices().map(|k| self.metric.depth(self.points.at(k)));
-        self.metric.height(height, depths.fold(f32::INFINITY, f32::min)) > 1.0
+        self.metric
+            .height(height, depths.fold(f32::INFINITY, f32::min))
+            > 1.0
     }
 
     /// Cuts leaf `node`, square (`x`, `y`) at `depth` of samples over a square of shape `s`, into blocks.
