@@ -2,6 +2,7 @@
 
 mod diced;
 mod displaced;
+mod export;
 mod jets;
 mod mesh;
 mod patch;

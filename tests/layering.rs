@@ -32,10 +32,20 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "displace",
+        &["math", "simd", "records", "texture", "dispatch"],
+    ),
+    (
+        "bake",
+        &[
+            "math", "simd", "records", "texture", "dice", "displace", "surface",
+        ],
+    ),
+    (
         "surface",
         &[
-            "patch", "math", "simd", "records", "limits", "scheme", "topology", "mesh", "refine",
-            "dice", "control", "Cage", "Surface",
+            "displace", "patch", "math", "simd", "records", "limits", "scheme", "topology", "mesh",
+            "refine", "dice", "control", "Cage", "Surface",
         ],
     ),
     (
@@ -75,6 +85,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "tessellate",
             "patch",
+            "displace",
             "evaluate",
             "math",
             "simd",
