@@ -148,6 +148,27 @@ impl Texture {
         Ok(Self::from_bytes(width, height, texels, meaning, has_alpha))
     }
 
+    /// A texture from RGBA texels of 16 bits, rows from the top.
+    ///
+    /// # Errors
+    /// As [`Texture::from_rgba8`].
+    pub fn from_rgba16(
+        width: u32,
+        height: u32,
+        texels: Vec<[u16; 4]>,
+        meaning: Meaning,
+    ) -> Result<Self, LoadError> {
+        check_size(width, height, 8, MAX_BYTES)?;
+        if texels.len() != width as usize * height as usize {
+            return Err(LoadError::Damaged(format!(
+                "{} texels given for {width}x{height}",
+                texels.len()
+            )));
+        }
+        let has_alpha = texels.iter().any(|t| t[3] != u16::MAX);
+        Ok(Self::from_words(width, height, texels, meaning, has_alpha))
+    }
+
     fn from_bytes(
         width: u32,
         height: u32,
@@ -247,6 +268,16 @@ impl Texture {
     #[must_use]
     pub fn level_count(&self) -> usize {
         self.levels.len()
+    }
+
+    /// Whether red, green and blue are the same everywhere: heights rather than vectors.
+    #[must_use]
+    pub fn is_gray(&self) -> bool {
+        let count = self.levels[0].width as usize * self.levels[0].height as usize;
+        match &self.texels {
+            Texels::Byte(t) => t[..count].iter().all(|t| t[0] == t[1] && t[1] == t[2]),
+            Texels::Word(t) => t[..count].iter().all(|t| t[0] == t[1] && t[1] == t[2]),
+        }
     }
 
     /// The file has an alpha channel.

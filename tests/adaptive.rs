@@ -76,6 +76,9 @@ fn closed_models_have_as_many_fronts_as_backs_at_every_tolerance() {
         scenes.push((path.display().to_string(), common::load(&path)));
     }
     scenes.retain(|(_, scene)| common::is_closed(&scene.objects[0].surface));
+    if let Ok(only) = std::env::var("ONLY") {
+        scenes.retain(|(name, _)| name.contains(&only));
+    }
     for (name, scene) in &scenes {
         for pixels in [0.05, 0.25, 1.0, 4.0, 30.0] {
             let mut renderer = coverage::renderer(160, 0);

@@ -390,6 +390,49 @@ fn what_looks_like_a_mistake_is_warned_of() {
 }
 
 #[test]
+fn odd_edges_are_warned_of_with_their_lines() {
+    let folder = Folder::new("odd-edges");
+    let (model, out) = (folder.path("odd.obj"), folder.path("out.png"));
+    // A third quad at the edge 1-2, and one wound the other way at 3-4; before them a face that is left out.
+    let text = "\u{feff}v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 -1 0\nv 0 -1 0\nv 1 0 1\nv 0 0 1\nv 1 2 0\nv 0 2 0\n\
+        f 1 1 2\nf 1 2 3 4\nf 2 1 6 5\n# a comment\n\nf 1 2 7 8\nf 3 4 10 9\n";
+    fs::write(&model, text).unwrap();
+    let refined = folder.path("fine.obj");
+    let verbs: [&[&str]; 3] = [
+        &["render", "-s", "32x32", "-o"],
+        &["refine", "-l", "1", "-o"],
+        &["info"],
+    ];
+    for verb in verbs {
+        let mut command = earmark();
+        command.args(verb);
+        if verb.len() > 1 {
+            command.arg(if verb[0] == "render" { &out } else { &refined });
+        }
+        let result = command.arg(&model).output().unwrap();
+        assert_eq!(code(&result), 0, "{}", stderr(&result));
+        let message = stderr(&result);
+        for wanted in [
+            "odd.obj:16: 1 edges with three",
+            "odd.obj:17: 1 edges between",
+        ] {
+            assert!(message.contains(wanted), "{message}");
+        }
+    }
+    // From standard input there is nothing to be read again.
+    fs::write(
+        &model,
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 2 3 4 1\n",
+    )
+    .unwrap();
+    let result = earmark()
+        .args(["info", "--triangulate", "--scheme", "loop"])
+        .arg(&model)
+        .output();
+    assert_eq!(code(&result.unwrap()), 0);
+}
+
+#[test]
 fn messages_stay_below_64_kilobytes() {
     let folder = Folder::new("flood");
     let mut command = earmark();
@@ -743,6 +786,58 @@ fn control_faces_beyond_the_memory_are_code_5() {
     assert!(!picture.exists());
     let drawn = render("2G");
     assert_eq!(code(&drawn), 0, "{}", stderr(&drawn));
+}
+
+#[test]
+fn patches_are_drawn_and_tensions_read() {
+    let folder = Folder::new("patches");
+    let (out, tags) = (folder.path("out.png"), folder.path("tags.txt"));
+    let cube = asset("cube.obj");
+    let draw = |more: &[&str]| {
+        let mut arguments = vec![
+            "render",
+            cube.to_str().unwrap(),
+            "-o",
+            out.to_str().unwrap(),
+        ];
+        arguments.extend(["-s", "32x32", "-l", "3", "-q"]);
+        arguments.extend(more);
+        run(&arguments)
+    };
+    let tags_flag = ["--surface", "pn", "--pn-tags", tags.to_str().unwrap()];
+    let mut pictures = Vec::new();
+    let mut good = |more: &[&str]| {
+        let done = draw(more);
+        assert_eq!(code(&done), 0, "{}", stderr(&done));
+        pictures.push(fs::read(&out).unwrap());
+    };
+    good(&["--surface", "limit"]);
+    good(&["--surface", "qas"]);
+    good(&["--surface", "pn"]);
+    fs::write(&tags, "0 0 0 0\n0 0 0 0 # flat\n").unwrap();
+    good(&tags_flag);
+    fs::write(&tags, "1\n".repeat(8)).unwrap();
+    good(&tags_flag);
+    assert!(pictures[4] == pictures[2]);
+    assert!((0..4).all(|i| (0..i).all(|k| pictures[i] != pictures[k])));
+    for (text, line, part) in [
+        ("1\n1 2\n", 2, "\"2\""),
+        ("1\n1\n", 2, "2 numbers"),
+        ("1 1 1 1 1 1 1 1\n1", 2, "more numbers"),
+        ("1\nx\n", 2, "\"x\""),
+    ] {
+        fs::write(&tags, text).unwrap();
+        let failed = draw(&tags_flag);
+        let message = assert_clean(&failed);
+        assert_eq!(code(&failed), 3, "{message}");
+        assert!(
+            message.contains(&format!("tags.txt:{line}: ")) && message.contains(part),
+            "{message}"
+        );
+    }
+    fs::remove_file(&tags).unwrap();
+    assert_eq!(code(&draw(&tags_flag)), 4);
+    assert_eq!(code(&draw(&["--pn-tags", tags.to_str().unwrap()])), 2);
 }
 
 #[test]

@@ -1,5 +1,10 @@
 //! Displacement: points and normals against independent arithmetic, one owner for everything that is shared, and no crack anywhere.
 
+#[cfg(feature = "cli")]
+#[path = "displace/cli.rs"]
+mod cli;
+#[path = "displace/closed.rs"]
+mod closed;
 mod common;
 #[path = "common/coverage.rs"]
 mod coverage;

@@ -5,11 +5,15 @@
 //! picture, figures, and a page to look at them under `target/golden/`.
 
 mod common;
+#[path = "golden/displaced.rs"]
+mod displaced;
 
 use earmark::compare::{compare, difference};
 use earmark::film::Image;
 use earmark::frame::{Drawing, Refinement};
 use earmark::load::{LoadOptions, Loader};
+use earmark::mesh::resolver::NoFiles;
+use earmark::patch::PatchKind;
 use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::simd::Level;
@@ -28,6 +32,7 @@ struct Golden {
     mode: ShadeMode,
     samples: u32,
     camera: Camera,
+    patches: PatchKind,
     /// Depth tags in place of the level, and whether vertices have random ones.
     tags: Option<(DepthTags, bool)>,
 }
@@ -46,6 +51,7 @@ fn goldens() -> Vec<Golden> {
             mode,
             samples,
             camera,
+            patches: PatchKind::None,
             tags: None,
         });
     };
@@ -149,6 +155,23 @@ fn goldens() -> Vec<Golden> {
         1,
         camera,
     );
+    for (asset, level, what) in displaced::ALL {
+        add(
+            asset,
+            level,
+            what,
+            Drawing::Limit,
+            ShadeMode::Lit,
+            4,
+            camera,
+        );
+    }
+    // What follows a blank is a name of its own.
+    for g in &mut out {
+        if let Some((_, name)) = g.name.split_once(' ') {
+            g.name = name.to_owned();
+        }
+    }
     for (asset, scheme, level) in [
         ("part_creased", Scheme::CatmullClark, 3),
         ("part_creased", Scheme::Bilinear, 2),
@@ -169,6 +192,28 @@ fn goldens() -> Vec<Golden> {
             mode: ShadeMode::Lit,
             samples: 4,
             camera,
+            patches: PatchKind::None,
+            tags: None,
+        });
+    }
+    for (asset, scheme, kind, patches) in [
+        ("creature", Scheme::CatmullClark, "qas", PatchKind::Qas),
+        ("creature", Scheme::CatmullClark, "pn", PatchKind::Pn),
+        ("part_creased", Scheme::CatmullClark, "pn", PatchKind::Pn),
+        ("icosahedron", Scheme::Loop, "limit", PatchKind::None),
+        ("icosahedron", Scheme::Loop, "qas", PatchKind::Qas),
+        ("icosahedron", Scheme::Loop, "pn", PatchKind::Pn),
+    ] {
+        out.push(Golden {
+            name: format!("{asset}_{kind}_l4"),
+            asset,
+            scheme,
+            level: 4,
+            drawing: Drawing::Limit,
+            mode: ShadeMode::Lit,
+            samples: 4,
+            camera,
+            patches,
             tags: None,
         });
     }
@@ -206,12 +251,47 @@ fn tagged() -> Vec<Golden> {
                 mode,
                 samples: 4,
                 camera: Camera::default(),
+                patches: PatchKind::None,
                 tags: Some((tags, random)),
             });
         }
     }
     out
 }
+
+const ICOSAHEDRON: &str = "v -1 1.618034 0
+v 1 1.618034 0
+v -1 -1.618034 0
+v 1 -1.618034 0
+v 0 -1 1.618034
+v 0 1 1.618034
+v 0 -1 -1.618034
+v 0 1 -1.618034
+v 1.618034 0 -1
+v 1.618034 0 1
+v -1.618034 0 -1
+v -1.618034 0 1
+f 1 12 6
+f 1 6 2
+f 1 2 8
+f 1 8 11
+f 1 11 12
+f 2 6 10
+f 6 12 5
+f 12 11 3
+f 11 8 7
+f 8 2 9
+f 4 10 5
+f 4 5 3
+f 4 3 7
+f 4 7 9
+f 4 9 10
+f 5 10 6
+f 3 5 12
+f 7 3 11
+f 9 7 8
+f 10 9 2
+";
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("golden")
@@ -221,13 +301,21 @@ fn draw(g: &Golden, simd: Level) -> Image {
     let mut loader = Loader::new(LoadOptions {
         surface: SurfaceOptions {
             scheme: Some(g.scheme),
+            patches: g.patches,
             ..SurfaceOptions::default()
         },
         ..LoadOptions::default()
     });
-    let path = common::assets().join(format!("{}.obj", g.asset));
-    loader.add_file(&path).unwrap();
+    if g.asset == "icosahedron" {
+        let read = loader.read(ICOSAHEDRON.as_bytes(), g.asset, &mut NoFiles);
+        let cage = read.unwrap().cage;
+        loader.add_cage(cage, g.asset, &mut NoFiles).unwrap();
+    } else {
+        let path = common::assets().join(format!("{}.obj", g.asset));
+        loader.add_file(&path).unwrap();
+    }
     let mut scene = loader.finish().0;
+    displaced::edit(&g.name, &mut scene);
     let mut renderer = Renderer::new(256, 256);
     renderer.size.samples = g.samples;
     renderer.refinement = Refinement::Uniform(g.level);

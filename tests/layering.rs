@@ -43,6 +43,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &["math", "control", "dice", "surface", "Surface"],
     ),
     (
+        "distance",
+        &["math", "mesh", "patch", "surface", "evaluate"],
+    ),
+    (
         "stream",
         &["records", "dice", "surface", "simd", "Surface", "Cage"],
     ),
@@ -68,6 +72,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "frame",
         &[
             "tessellate",
+            "patch",
             "evaluate",
             "math",
             "simd",
@@ -93,7 +98,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "load",
         &[
-            "files", "frame", "mesh", "shade", "surface", "texture", "limits", "scheme",
+            "files", "frame", "mesh", "patch", "shade", "surface", "texture", "topology", "limits",
+            "scheme",
         ],
     ),
 ];

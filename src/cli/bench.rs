@@ -1,6 +1,7 @@
 //! `earmark bench`: steady state in process. One run warms caches and memory up, then each repetition is measured whole; the stages of a
 //! frame come from further repetitions, because reading clocks per block takes time itself.
 
+use super::bench_patches::{self, Found};
 use super::exit::Failure;
 use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags};
 use super::job::{Job, commit_all, print_text};
@@ -28,6 +29,8 @@ pub(crate) enum Suite {
     Raster,
     /// Limit points and first derivatives anywhere: one place at a time, from prepared faces, in a batch, on grids of 17 by 17
     Evaluate,
+    /// QAS and PN patches: time per point of a uniform level (default 4) against that of the limit surface, and distances from it
+    Patches,
     /// Tables of the papers again, on cages of as many faces that are made here: frames of 1024 by 1024 with one sample, and what was
     /// published for a GPU
     Paper,
@@ -115,9 +118,11 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     };
     job.read_depth_tags(&mut scene, &a.level)?;
     watch::phase(Phase::Measuring);
+    let mut distances = Vec::new();
     let outcome = match a.suite {
         Suite::Refine => refine(job, a, &mut scene)?,
         Suite::Frame => frame(job, a, &mut scene, a.level.drawing(), true)?,
+        Suite::Patches => bench_patches::patches(job, a, &scene, &mut distances)?,
         Suite::Evaluate => super::bench_evaluate::evaluate(job, a, &mut scene)?,
         Suite::Paper => super::bench_paper::paper(job, a)?,
         Suite::Raster => frame(job, a, &mut scene, Drawing::Cage, false)?,
@@ -130,7 +135,11 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         .model_path
         .as_ref()
         .map_or_else(|| built_in.to_owned(), |p| p.display().to_string());
-    let report = report(job, a, Json::text(&*name), &outcome);
+    let mut report = report(job, a, Json::text(&*name), &outcome);
+    if let (Json::Object(members), false) = (&mut report, distances.is_empty()) {
+        let all = distances.iter().map(Found::json).collect();
+        members.push(("distances".to_owned(), Json::List(all)));
+    }
     let mut staged = Vec::new();
     if let Some(stats) = stats {
         staged.push(stats.stage(format!("{report}\n").as_bytes())?);
@@ -139,6 +148,9 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         print_text(&format!("{report}\n"))?;
     } else {
         print_text(&table(job, a, &outcome))?;
+        if !distances.is_empty() {
+            print_text(&bench_patches::table(&distances))?;
+        }
     }
     commit_all(staged)
 }
@@ -267,7 +279,12 @@ pub(super) fn push(
 }
 
 /// Dices everything and keeps nothing.
-fn dice_all(scene: &Scene, level: u32, normals: bool, limits: &Limits) -> Result<(), Failure> {
+pub(super) fn dice_all(
+    scene: &Scene,
+    level: u32,
+    normals: bool,
+    limits: &Limits,
+) -> Result<(), Failure> {
     /// Quads between two looks at the limits.
     const CHUNK: u32 = 64;
     for object in &scene.objects {

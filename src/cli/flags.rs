@@ -396,6 +396,10 @@ pub(crate) struct PictureFlags {
     /// Picture (PNG or JPEG) that colours the surface in place of the materials' maps
     #[arg(long, value_name = "IMAGE")]
     pub(crate) color_map: Option<PathBuf>,
+    /// Normal map (PNG or JPEG, 8 or 16 bits) in place of the materials' normal and bump maps: tangent space as MikkTSpace has it, x along u,
+    /// y along v, so green points up
+    #[arg(long, value_name = "IMAGE")]
+    pub(crate) normal_map: Option<PathBuf>,
 }
 
 impl PictureFlags {

@@ -1,5 +1,6 @@
 //! `earmark render`.
 
+use super::displace::DisplaceFlags;
 use super::exit::Failure;
 use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
 use super::job::{Job, Output, commit_all, model_names};
@@ -8,10 +9,10 @@ use super::stats::{Clock, Json, frame_stages};
 use super::watch::{self, Phase};
 use clap::Args;
 use earmark::camera::Sphere;
-use earmark::frame::Finished;
+use earmark::frame::{Drawing, Finished};
 use earmark::limits::Limits;
 use earmark::records::ScreenSize;
-use earmark::shade::SurfaceMaterial;
+use earmark::shade::{Relief, SurfaceMaterial};
 use earmark::texture::{Meaning, Texture};
 use earmark::{Camera, Scene, files, film};
 use std::path::{Path, PathBuf};
@@ -31,6 +32,8 @@ pub(crate) struct Arguments {
     pub(crate) model: ModelFlags,
     #[command(flatten)]
     pub(crate) level: LevelFlags,
+    #[command(flatten)]
+    pub(crate) displace: DisplaceFlags,
     #[command(flatten)]
     pub(crate) picture: PictureFlags,
     #[command(flatten)]
@@ -58,6 +61,8 @@ pub(crate) fn check_models(models: &[PathBuf]) -> Result<(), Failure> {
 fn outputs(a: &Arguments) -> Result<(Output, Option<Output>), Failure> {
     let mut inputs = input_paths(&a.models);
     inputs.extend(a.picture.color_map.as_deref());
+    inputs.extend(a.picture.normal_map.as_deref());
+    inputs.extend(a.displace.displace.as_deref());
     inputs.extend(a.level.pn_tags.as_deref());
     inputs.extend(a.level.tag_file());
     let picture = Output::checked(&a.output, &["png"], &inputs)?;
@@ -120,15 +125,41 @@ pub(crate) fn check_picture(
     Ok(())
 }
 
-/// Gives the scene the picture of `--color-map` in place of its own maps.
-fn apply_color_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Failure> {
+/// Adds a picture to the scene's textures.
+fn add_texture(
+    job: &Job,
+    scene: &mut Scene,
+    path: &Path,
+    meaning: Meaning,
+) -> Result<u32, Failure> {
     let most = job.memory_left().unwrap_or(u64::MAX).min(COLOR_MAP);
     let bytes = files::read_model(path, most)?;
     let mut budget = most;
-    let map = Texture::decode(&bytes, Meaning::Color, &mut budget)
-        .map_err(|e| Failure::texture(path, &e))?;
-    let index = scene.textures.len() as u32;
+    let map =
+        Texture::decode(&bytes, meaning, &mut budget).map_err(|e| Failure::texture(path, &e))?;
     scene.textures.push(map);
+    Ok(scene.textures.len() as u32 - 1)
+}
+
+/// Gives the scene the picture of `--normal-map` in place of its own relief.
+fn apply_normal_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Failure> {
+    let relief = Some(Relief::Normals(add_texture(
+        job,
+        scene,
+        path,
+        Meaning::Data,
+    )?));
+    for material in &mut scene.materials {
+        material.relief = relief;
+    }
+    let plain = scene.default_material.unwrap_or(SurfaceMaterial::CLAY);
+    scene.default_material = Some(SurfaceMaterial { relief, ..plain });
+    Ok(())
+}
+
+/// Gives the scene the picture of `--color-map` in place of its own maps.
+fn apply_color_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Failure> {
+    let index = add_texture(job, scene, path, Meaning::Color)?;
     for material in &mut scene.materials {
         material.diffuse = [1.0; 3];
         material.diffuse_map = Some(index);
@@ -147,6 +178,10 @@ fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
     if let Some(path) = &a.picture.color_map {
         job.time("read", |job| apply_color_map(job, &mut scene, path))?;
     }
+    if let Some(path) = &a.picture.normal_map {
+        job.time("read", |job| apply_normal_map(job, &mut scene, path))?;
+    }
+    job.time("read", |job| a.displace.apply(job, &mut scene))?;
     Ok(scene)
 }
 
@@ -154,7 +189,8 @@ fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
 fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
     let scene = scene(job, a)?;
     let has_uvs = scene.objects.iter().any(|o| o.surface.has_uvs());
-    if !has_uvs && (a.picture.color_map.is_some() || a.picture.shade == Shade::Uv) {
+    let maps = a.picture.color_map.is_some() || a.picture.normal_map.is_some();
+    if !has_uvs && (maps || a.picture.shade == Shade::Uv) {
         warning("no model has texture coordinates");
     }
     watch::phase(Phase::Rendering);
@@ -183,6 +219,11 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
 
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     check_models(&a.models)?;
+    if a.displace.is_on() && a.level.drawing() == Drawing::Cage {
+        return Err(Failure::usage(
+            "--surface cage shows the polygons as they are: nothing is displaced",
+        ));
+    }
     let (picture, stats) = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.
     check_picture(&a.picture, &job.limits(), 13)?;

@@ -144,7 +144,13 @@ impl Stages {
 pub(crate) fn frame_stages(stats: &earmark::frame::FrameStats, cpu: f64) -> Stages {
     use earmark::frame::Stage;
     let ms = |d: std::time::Duration| d.as_secs_f64() * 1e3;
-    let fused = [Stage::Dice, Stage::Tile, Stage::Shade, Stage::Film];
+    let fused = [
+        Stage::Dice,
+        Stage::Displace,
+        Stage::Tile,
+        Stage::Shade,
+        Stage::Film,
+    ];
     let sum: f64 = fused.iter().map(|&s| ms(stats.times.get(s))).sum();
     let mut walls = vec![
         (Stage::Flatness, ms(stats.flatness)),

@@ -139,13 +139,26 @@ impl HeightMap {
         ]
     }
 
+    /// Derivatives by u and v as a pixel sees them that covers a square of side `footprint`.
+    #[inline]
+    pub(crate) fn slope_over(&self, u: f32, v: f32, footprint: f32) -> [f32; 2] {
+        let step = |side: u32| (0.5 / side as f32).max(0.5 * footprint).min(0.25);
+        let (du, dv) = (step(self.width), step(self.height));
+        [
+            (self.at(u + du, v) - self.at(u - du, v)) * (0.5 / du),
+            (self.at(u, v + dv) - self.at(u, v - dv)) * (0.5 / dv),
+        ]
+    }
+
     /// Lowest and highest height.
     #[must_use]
     pub fn range(&self) -> [f32; 2] {
-        let all = self.texels.iter();
-        all.fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], &h| {
-            [lo.min(h), hi.max(h)]
-        })
+        // The last level of ranges is one square.
+        self.ranges
+            .last()
+            .and_then(|r| r.of.first())
+            .copied()
+            .unwrap_or_default()
     }
 
     /// Lowest and highest height in a box of texture coordinates, from `low` to `high`.

@@ -15,6 +15,7 @@
 //! * **Normal**: from the derivatives of the owner's face, and so the same from all faces of a smooth edge. Each side of a crease has its own.
 //! * Where more than two faces share an edge, and at vertices where the surface hangs together by a point, nothing moves.
 
+mod bounds;
 mod function;
 mod map;
 mod noise;
@@ -72,6 +73,9 @@ pub struct Displacement {
     pub scale: f32,
     /// Model units that are added; not of vectors.
     pub bias: f32,
+    /// Whether pictures take the slopes of a map pixel by pixel, with the triangles only carrying the heights: then what a picture shows hardly
+    /// depends on how fine they are. Of maps alone.
+    pub per_pixel: bool,
 }
 
 impl fmt::Debug for Displacement {
@@ -120,6 +124,7 @@ impl Displacement {
             kind,
             scale: 1.0,
             bias: 0.0,
+            per_pixel: false,
         }
     }
 
@@ -134,6 +139,32 @@ impl Displacement {
     #[must_use]
     pub fn biased(mut self, bias: f32) -> Self {
         self.bias = if bias.is_finite() { bias } else { 0.0 };
+        self
+    }
+
+    /// The same with slopes taken pixel by pixel, or not.
+    #[must_use]
+    pub fn with_slopes_per_pixel(mut self, on: bool) -> Self {
+        self.per_pixel = on;
+        self
+    }
+
+    /// The map, if its slopes are taken pixel by pixel.
+    pub(crate) fn pixel_map(&self) -> Option<&HeightMap> {
+        match &self.kind {
+            Kind::Map(map) if self.per_pixel => Some(map),
+            _ => None,
+        }
+    }
+
+    /// The same for points that are relative to `origin`, as those of a cage far from 0 are: ripples keep their centre. (Noise is that of
+    /// the relative points.)
+    #[must_use]
+    pub fn relative_to(mut self, origin: [f64; 3]) -> Self {
+        if let Kind::Function(function) = &mut self.kind {
+            let center = function.center;
+            function.center = [0, 1, 2].map(|k| (f64::from(center[k]) - origin[k]) as f32);
+        }
         self
     }
 
@@ -261,6 +292,28 @@ impl Displacement {
             }
             Kind::Vector { rule, most } => at.of_rule(|site| Self::vector_at(&**rule, *most, site)),
         }
+    }
+
+    /// The vectors by which the slopes of a map tilt the limit normal `n` of the displaced surface: it runs along
+    /// `n − (h_u a + h_v b)`. Zeros where the surface has no tangents.
+    pub(crate) fn tilts(&self, at: &Around, value: f32) -> [[f32; 3]; 2] {
+        let n = at.normal;
+        let [nu, nv] = at.bend.normals_of(n);
+        let along = |d: [f32; 3], nd: [f32; 3]| math::add(d, math::scale(nd, value));
+        let (du, dv) = (along(at.bend.du, nu), along(at.bend.dv, nv));
+        let area = math::dot(n, math::cross(du, dv));
+        let factor = self.scale / area;
+        if !factor.is_finite() {
+            return [[0.0; 3]; 2];
+        }
+        let (first, second) = (math::cross(dv, n), math::cross(n, du));
+        [0, 1].map(|k| {
+            let [u, v] = [at.uv_by[0][k], at.uv_by[1][k]];
+            math::scale(
+                math::add(math::scale(first, u), math::scale(second, v)),
+                factor,
+            )
+        })
     }
 
     /// Height and slope at a single point, as [`Displacement::grid`] has them.

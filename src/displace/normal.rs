@@ -47,6 +47,23 @@ impl Bend {
     }
 }
 
+impl Bend {
+    /// Derivatives of the surface by texture coordinates, whose derivatives by the parameters are given. Zeros where there are none.
+    pub(crate) fn by_uv(&self, [[uu, vu], [uv, vv]]: [[f32; 2]; 2]) -> [[f32; 3]; 2] {
+        let factor = 1.0 / (uu * vv - uv * vu);
+        if !factor.is_finite() {
+            return [[0.0; 3]; 2];
+        }
+        let mix = |a: f32, b: f32| {
+            math::scale(
+                math::sub(math::scale(self.du, a), math::scale(self.dv, b)),
+                factor,
+            )
+        };
+        [mix(vv, vu), math::scale(mix(uv, uu), -1.0)]
+    }
+}
+
 /// Unit vector along the cross product of vectors of any size.
 #[inline(always)]
 pub(crate) fn unit(a: [f32; 3], b: [f32; 3]) -> Option<[f32; 3]> {

@@ -258,7 +258,7 @@ pub(super) fn dice(
     item: u32,
     scratch: &mut SourceScratch,
     points: &mut Grid3,
-    attributes: Option<&mut Attributes>,
+    attributes: Option<(&mut Attributes, bool)>,
 ) {
     let leaf = &tessellation.leaves[item as usize];
     let moves = tessellation.moves(item as usize);
@@ -281,7 +281,7 @@ pub(super) fn dice(
         dice(part(leaf), grid, other.as_deref_mut());
         apply(leaf, moves, grid, other, spare, dice);
     };
-    let Some(a) = attributes else {
+    let Some((a, wants_tangents)) = attributes else {
         scratch.prepare(surface, leaf.quad, reach, Sides::Points);
         let SourceScratch { patch, spare, .. } = scratch;
         lay(points, None, spare, &|part, p, n| {
@@ -306,6 +306,17 @@ pub(super) fn dice(
             patch.dice_part_uvs(part, p);
         });
         folded(&mut a.uvs);
+    }
+    a.has_tangents = a.has_uvs && wants_tangents;
+    if a.has_tangents {
+        let [first, second] = &mut a.tangents;
+        lay(first, Some(second), spare, &|part, p, q| {
+            if let Some(q) = q {
+                patch.dice_tangents(surface, part, p, q);
+            }
+        });
+        folded(first);
+        folded(second);
     }
     a.has_colors = patch.prepare_colors(surface, leaf.quad);
     if a.has_colors {

@@ -321,7 +321,9 @@ impl Renderer {
             shader,
             film: Film::new(self.mode.encoding(), self.background),
             simd: self.simd,
-            wants_uvs: self.mode == ShadeMode::Uv || !scene.textures.is_empty(),
+            wants_uvs: self.mode == ShadeMode::Uv
+                || !scene.textures.is_empty()
+                || scene.objects.iter().any(Object::is_shaded_by_map),
             materials: &scene.materials,
             textures: &scene.textures,
         };

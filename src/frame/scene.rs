@@ -61,9 +61,16 @@ impl Scene {
         });
     }
 
-    /// A sphere around the limit points of all models, for framing.
+    /// A sphere around the limit points of all models, for framing; with displacement, larger by as far as points move.
     #[must_use]
     pub fn bounding_sphere(&self) -> Sphere {
+        let mut sphere = self.limit_sphere();
+        let reach = |o: &Object| f64::from(o.surface.displacement_reach());
+        sphere.radius += self.objects.iter().map(reach).fold(0.0, f64::max);
+        sphere
+    }
+
+    fn limit_sphere(&self) -> Sphere {
         Sphere::of_points(self.objects.iter().flat_map(|o| {
             let quads = o.surface.quads();
             let drawn = move |h: &u32| !quads.is_hole(quads.face_of(*h));
@@ -71,6 +78,12 @@ impl Scene {
                 .filter(drawn)
                 .map(move |h| o.surface.corner_point(h).0)
         }))
+    }
+
+    /// Whether anything has finer normals than its surface.
+    pub(super) fn has_relief(&self) -> bool {
+        let mut all = self.materials.iter().chain(&self.default_material);
+        all.any(|m| m.relief.is_some())
     }
 
     /// Faces of all cages.
@@ -84,6 +97,13 @@ impl Scene {
 }
 
 impl Object {
+    /// Whether its normals come from the slopes of a map, pixel by pixel.
+    pub(super) fn is_shaded_by_map(&self) -> bool {
+        self.surface
+            .displacement()
+            .is_some_and(|d| d.pixel_map().is_some())
+    }
+
     /// Depth tags of the cage's vertices in a view.
     pub(super) fn tags(&self, view: &View, wanted: &DepthTags) -> Vec<u8> {
         depth_tags::vertex_tags(&self.surface, view, wanted, &self.depth_tags)

@@ -6,18 +6,19 @@
 use super::leaf::{self, Spare};
 use super::scene::{Object, Scene};
 use crate::dice::FacePatch;
-use crate::dice::face::Sides;
+use crate::dice::face::{Part, Sides};
 use crate::limits::{Budget, LimitError};
 use crate::mesh::NONE;
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
 use crate::surface::{QuadPatch, RefinedFans, Surface};
 use crate::tessellate::Tessellation;
+use std::time::Duration;
 
 /// What is drawn of each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Drawing {
-    /// Points of the limit surface.
+    /// Points of the limit surface, or of the patches that the surface has in its place.
     #[default]
     Limit,
     /// Control points after as many steps as the level says.
@@ -46,6 +47,8 @@ pub(super) struct Source<'a> {
     pub(super) level: u32,
     drawing: Drawing,
     refined: Option<RefinedFans>,
+    /// Whether normals are tilted pixel by pixel.
+    pub(super) wants_tangents: bool,
     /// Items are its leaves, not quads.
     tessellation: Option<Tessellation>,
 }
@@ -65,6 +68,20 @@ impl SourceScratch {
         let mut scratch = Self::default();
         scratch.patch.set_simd(simd);
         scratch
+    }
+
+    /// Whether time spent displacing is measured from now on.
+    pub(super) fn measure(&mut self, on: bool) {
+        self.patch.clock.set(on.then_some(Duration::ZERO));
+    }
+
+    /// Time spent displacing since this was asked last.
+    pub(super) fn take_displaced(&self) -> Duration {
+        let spent = self.patch.clock.get().unwrap_or_default();
+        self.patch
+            .clock
+            .set(self.patch.clock.get().map(|_| Duration::ZERO));
+        spent
     }
 
     /// Forgets which item is prepared: numbers of another scene mean other items.
@@ -93,10 +110,13 @@ pub(super) struct Attributes {
     pub(super) normals: Box<Grid3>,
     pub(super) uvs: Box<Grid3>,
     pub(super) colors: Box<Grid3>,
+    /// What tilts normals, for relief and slopes by pixel.
+    pub(super) tangents: [Box<Grid3>; 2],
     /// Whether anything of the frame reads texture coordinates.
     pub(super) wants_uvs: bool,
     pub(super) has_uvs: bool,
     pub(super) has_colors: bool,
+    pub(super) has_tangents: bool,
 }
 
 impl Default for Attributes {
@@ -105,9 +125,11 @@ impl Default for Attributes {
             normals: Grid3::boxed(),
             uvs: Grid3::boxed(),
             colors: Grid3::boxed(),
+            tangents: [Grid3::boxed(), Grid3::boxed()],
             wants_uvs: false,
             has_uvs: false,
             has_colors: false,
+            has_tangents: false,
         }
     }
 }
@@ -143,6 +165,8 @@ impl<'a> Source<'a> {
                 level,
                 drawing,
                 refined,
+                wants_tangents: object.surface.has_uvs()
+                    && (scene.has_relief() || object.is_shaded_by_map()),
                 tessellation,
             };
             first_item += source.item_count();
@@ -355,6 +379,7 @@ impl<'a> Source<'a> {
         attributes: Option<&mut Attributes>,
     ) {
         if let Some(t) = &self.tessellation {
+            let attributes = attributes.map(|a| (a, self.wants_tangents));
             return leaf::dice(&self.object.surface, t, item, scratch, points, attributes);
         }
         if self.drawing == Drawing::Cage {
@@ -377,6 +402,12 @@ impl<'a> Source<'a> {
         a.has_uvs = a.wants_uvs && patch.has_uvs();
         if a.has_uvs {
             patch.dice_uvs(bu, bv, &mut a.uvs);
+        }
+        a.has_tangents = a.has_uvs && self.wants_tangents;
+        if a.has_tangents {
+            let part = Part::block(self.quad_level(), [bu, bv]);
+            let [first, second] = &mut a.tangents;
+            patch.dice_tangents(surface, part, first, second);
         }
         a.has_colors = patch.prepare_colors(surface, item);
         if a.has_colors {
@@ -410,6 +441,7 @@ impl<'a> Source<'a> {
             points.set(i, j, self.corner_point(h));
         }
         let Some(a) = attributes else { return };
+        a.has_tangents = false;
         a.has_uvs = a.wants_uvs && surface.has_uvs();
         a.has_colors = !surface.cage().colors.is_empty();
         for (&h, (i, j)) in corners.iter().zip(CORNERS) {
@@ -451,6 +483,7 @@ impl<'a> Source<'a> {
             points.set(i, j, cage.points[*v as usize]);
         }
         let Some(a) = attributes else { return };
+        a.has_tangents = false;
         a.has_uvs = a.wants_uvs && !cage.corner_uvs.is_empty();
         a.has_colors = !cage.colors.is_empty();
         for ((v, c), (i, j)) in corners.iter().zip(CORNERS) {

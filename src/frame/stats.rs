@@ -17,6 +17,8 @@ pub enum Stage {
     Bin,
     /// Points, normals and texture coordinates of blocks.
     Dice,
+    /// Displacement of points and their normals.
+    Displace,
     /// Projection, coverage and depth.
     Tile,
     /// Colours of samples.
@@ -27,13 +29,14 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the frame.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Flatness,
         Self::DepthTags,
         Self::Patterns,
         Self::Setup,
         Self::Bin,
         Self::Dice,
+        Self::Displace,
         Self::Tile,
         Self::Shade,
         Self::Film,
@@ -49,6 +52,7 @@ impl Stage {
             Self::Setup => "setup",
             Self::Bin => "bin",
             Self::Dice => "dice",
+            Self::Displace => "displace",
             Self::Tile => "tile",
             Self::Shade => "shade",
             Self::Film => "film",
@@ -87,6 +91,13 @@ impl StageTimes {
         let now = Instant::now();
         self.total[stage as usize] += now - begin;
         Some(now)
+    }
+    /// Hands time that was counted with one stage to another.
+    #[inline]
+    pub(super) fn shift(&mut self, from: Stage, to: Stage, time: Duration) {
+        let time = time.min(self.total[from as usize]);
+        self.total[from as usize] -= time;
+        self.total[to as usize] += time;
     }
     pub(super) fn add(&mut self, other: &Self) {
         for (a, b) in self.total.iter_mut().zip(&other.total) {

@@ -6,6 +6,7 @@ use super::cutout::{Layers, draw_cutout};
 use super::source::{Attributes, Source, SourceScratch};
 use super::spot::{Listed, Quad, Spot, draw};
 use super::stats::{Stage, StageTimes};
+use crate::displace::Displacement;
 use crate::film::PixelSum;
 use crate::raster::{Key, PixelBox, ProjectedBlock, Tile, bounds, project};
 use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
@@ -116,6 +117,7 @@ pub(super) fn draw_tile(
         .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);
     scratch.drawn.clear();
     scratch.attributes.wants_uvs = frame.wants_uvs;
+    scratch.source.measure(scratch.times.on);
     for &item in items {
         draw_item(frame, item, rect, scratch);
     }
@@ -149,6 +151,8 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], s: &mut Scratch) {
             let attributes = cutout.map(|_| &mut s.attributes);
             source.dice(&mut s.source, local, [bu, bv], &mut s.points, attributes);
             let clock = s.times.lap(Stage::Dice, clock);
+            s.times
+                .shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
             project(
                 frame.simd,
                 &s.points,
@@ -316,6 +320,7 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
             );
         }
         let clock = s.times.lap(Stage::Dice, clock);
+        (s.times).shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
         let face = source.cage_face(local);
         let template = SurfacePoint {
             face: source.first_face + face,
@@ -329,15 +334,26 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
             let ([x, y, sample], id) = (v.place(), SampleId(v.id));
             let at = [x0 + x, y0 + y, sample];
             let samples = frame.size.samples;
-            let (points, a, footprint) = (&s.points, &s.attributes, &s.footprint);
             s.surface.push(match list {
                 None => {
                     let spot = Quad::new(&s.projected, id, at, samples);
-                    surface_point(frame, points, a, footprint, spot, template)
+                    surface_point(
+                        frame,
+                        source,
+                        (&s.points, &s.attributes, &s.footprint),
+                        spot,
+                        template,
+                    )
                 }
                 Some(list) => {
                     let spot = Listed::new(&s.projected, list, id, at, samples);
-                    surface_point(frame, points, a, footprint, spot, template)
+                    surface_point(
+                        frame,
+                        source,
+                        (&s.points, &s.attributes, &s.footprint),
+                        spot,
+                        template,
+                    )
                 }
             });
         }
@@ -356,15 +372,14 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
 #[inline]
 fn surface_point(
     frame: &Frame<'_>,
-    points: &Grid3,
-    a: &Attributes,
-    footprint: &[f32],
+    source: &Source<'_>,
+    (points, a, footprint): (&Grid3, &Attributes, &[f32]),
     spot: impl Spot,
     template: SurfacePoint,
 ) -> SurfacePoint {
     let position = spot.mix3(points);
     let uv = a.has_uvs.then(|| [spot.mix(&a.uvs.x), spot.mix(&a.uvs.y)]);
-    SurfacePoint {
+    let mut point = SurfacePoint {
         position,
         normal: spot.mix3(&a.normals),
         geometric: spot.geometric(points),
@@ -382,6 +397,24 @@ fn surface_point(
         },
         depth01: frame.view.depth01(frame.view.distance(position)),
         ..template
+    };
+    if a.has_tangents {
+        relief(source, a, &spot, &mut point);
+    }
+    point
+}
+
+/// What tilts the normal of a point: given to shading, or done at once where the displacement's map says it.
+fn relief(source: &Source<'_>, a: &Attributes, spot: &impl Spot, point: &mut SurfacePoint) {
+    let tangents = [0, 1].map(|k| spot.mix3(&a.tangents[k]));
+    let map = (source.object.surface.displacement()).and_then(Displacement::pixel_map);
+    match (map, point.uv) {
+        (Some(map), Some([u, v])) => {
+            let [du, dv] = map.slope_over(u, v, point.uv_footprint);
+            let [first, second] = tangents;
+            point.normal = [0, 1, 2].map(|k| point.normal[k] - (first[k] * du + second[k] * dv));
+        }
+        _ => point.tangents = Some(tangents),
     }
 }
 

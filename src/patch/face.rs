@@ -13,7 +13,7 @@ use crate::dice::face::Part;
 use crate::dispatch;
 use crate::math;
 use crate::records::{BLOCK_STRIDE, Grid3};
-use crate::simd::{LANES, Level};
+use crate::simd::Level;
 use crate::topology::Topology;
 
 /// A triangle of points.
@@ -284,8 +284,8 @@ fn dice(shape: &Shape, part: Part, points: &mut Grid3, mut normals: Option<&mut 
     let scale = 1.0 / (1_u32 << part.level) as f32;
     let [x, y] = part.start.map(|k| k as usize);
     let n = part.segments as usize + 1;
-    // Whole vectors: rows are long enough for what is too much.
-    let padded = |n: usize| if n == 1 { 1 } else { n.div_ceil(LANES) * LANES };
+    // Few odd lanes: rows are long enough for what is too much.
+    let padded = |n: usize| if n == 1 { 1 } else { n.next_multiple_of(8) };
     let u: Lanes = std::array::from_fn(|i| (x + i) as f32 * scale);
     for j in 0..n {
         let v = (y + j) as f32 * scale;

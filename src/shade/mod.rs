@@ -5,9 +5,11 @@
 //! numbers that are written without a curve for the other modes ([`ShadeMode::encoding`]).
 
 mod light;
+mod relief;
 mod surface;
 
 pub use light::LightRig;
+pub use relief::Relief;
 pub use surface::{NO_MATERIAL, SurfaceMaterial, SurfacePoint};
 
 use crate::camera::View;
@@ -140,7 +142,13 @@ impl<'a> Shader<'a> {
                 let [r, g, b, a] = self.albedo(point);
                 return premultiply(self.lights.light(normal, geometric, to_eye, [r, g, b]), a);
             }
-            ShadeMode::Normals => point.unit_normal().map(|c| c * 0.5 + 0.5),
+            ShadeMode::Normals => {
+                let tilted = SurfacePoint {
+                    normal: self.tilted(point, point.normal),
+                    ..*point
+                };
+                tilted.unit_normal().map(|c| c * 0.5 + 0.5)
+            }
             ShadeMode::Uv => match point.uv {
                 Some(uv) => {
                     let [u, v] = uv.map(|c| {
@@ -229,10 +237,24 @@ impl<'a> Shader<'a> {
         };
         let normal = point.usable_normal(to_eye);
         let geometric = point.usable_geometric(normal);
+        let normal = self.tilted(point, normal);
         if self.mode == ShadeMode::Flat {
             (geometric, geometric, to_eye)
         } else {
             (normal, geometric, to_eye)
+        }
+    }
+
+    /// The normal with the relief of the material.
+    #[inline(always)]
+    fn tilted(&self, point: &SurfacePoint, normal: [f32; 3]) -> [f32; 3] {
+        let (Some(tangents), Some(uv)) = (point.tangents, point.uv) else {
+            return normal;
+        };
+        let material = (self.materials.get(point.material as usize)).unwrap_or(&self.default);
+        match material.relief {
+            Some(relief) => relief.tilt(self.textures, normal, tangents, uv, point.uv_footprint),
+            None => normal,
         }
     }
 

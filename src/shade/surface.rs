@@ -1,5 +1,6 @@
 //! What shading knows of a visible point, and what the surface is made of there.
 
+use super::Relief;
 use crate::film::srgb::to_linear;
 use crate::math::{dot, normalize, saturate};
 use crate::texture::Texture;
@@ -19,6 +20,8 @@ pub struct SurfacePoint {
     pub geometric: [f32; 3],
     /// Texture coordinates.
     pub uv: Option<[f32; 2]>,
+    /// Derivatives of the surface by the texture coordinates, for relief; any length.
+    pub tangents: Option<[[f32; 3]; 2]>,
     /// Side of the square in texture coordinates that has the area of a pixel's: the MIP levels follow from it.
     pub uv_footprint: f32,
     /// Linear colour of the vertices, `[1.0; 3]` without.
@@ -40,6 +43,7 @@ impl Default for SurfacePoint {
             normal: [0.0; 3],
             geometric: [0.0; 3],
             uv: None,
+            tangents: None,
             uv_footprint: 0.0,
             color: [1.0; 3],
             face: 0,
@@ -102,6 +106,8 @@ pub struct SurfaceMaterial {
     pub diffuse_map: Option<u32>,
     /// Index of the opacity texture.
     pub opacity_map: Option<u32>,
+    /// Finer normals.
+    pub relief: Option<Relief>,
 }
 
 impl SurfaceMaterial {
@@ -111,6 +117,7 @@ impl SurfaceMaterial {
         opacity: 1.0,
         diffuse_map: None,
         opacity_map: None,
+        relief: None,
     };
     /// Paper white, to carry vertex colours or a texture unchanged.
     pub const WHITE: Self = Self {
@@ -137,6 +144,7 @@ impl SurfaceMaterial {
             opacity: saturate(opacity),
             diffuse_map,
             opacity_map,
+            relief: None,
         }
     }
 

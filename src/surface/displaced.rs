@@ -5,8 +5,9 @@ use super::jets::{Derivatives, Jets};
 use super::patch::ChannelPatch;
 use crate::control::Kind;
 use crate::dice::face::{Part, Sides};
-use crate::displace::normal::Bend;
+use crate::displace::normal::{Bend, unit};
 use crate::displace::{Around, Displacement, Heights, mitre};
+use crate::math;
 use crate::records::{BLOCK_POINTS, BLOCK_STRIDE, BlockSize, Grid3};
 use crate::simd::Level;
 use crate::topology::{NONE, Topology};
@@ -22,6 +23,8 @@ pub(crate) struct Displaced {
     held_vertices: BTreeSet<u32>,
     /// Directions of vertices at infinite creases.
     directions: BTreeMap<u32, [f32; 3]>,
+    /// Bound of how far points move.
+    reach: f32,
 }
 
 impl Displaced {
@@ -39,9 +42,12 @@ impl Displaced {
         let extra = first..whole.fans().len() as u32;
         let held_vertices = extra.map(|fan| whole.fan_vertex(fan)).collect();
         let mut directions = BTreeMap::new();
+        if surface.linear {
+            directions = linear_directions(surface);
+        }
         for (v, fan) in (0..).zip(whole.fans()) {
             let cuts = |h: u32| cut.fans()[cut.fan(h) as usize].faces != fan.faces;
-            if fan.first == NONE || !cuts(fan.first) {
+            if fan.first == NONE || surface.linear || !cuts(fan.first) {
                 continue;
             }
             let mut normals = Vec::new();
@@ -61,30 +67,55 @@ impl Displaced {
             let normals: Vec<[f32; 3]> = normals.into_iter().map(|n| n.1).collect();
             directions.insert(v, mitre(&normals));
         }
+        let most = displacement.most();
+        // Mitres.
+        let reach = if directions.is_empty() {
+            most
+        } else {
+            2.0 * most
+        };
         Self {
+            reach,
             displacement,
             held_edges,
             held_vertices,
             directions,
         }
     }
+}
 
-    /// Bound of how far points move.
-    pub(crate) fn reach(&self) -> f32 {
-        let most = self.displacement.most();
-        match self.directions.is_empty() {
-            true => most,
-            // Mitres.
-            false => 2.0 * most,
+/// Directions of the vertices of a bilinear surface, where every edge is a crease: mitres of their faces' normals.
+fn linear_directions(surface: &Surface) -> BTreeMap<u32, [f32; 3]> {
+    let (t, points) = (surface.quads(), surface.control_points());
+    let at = |h: u32| points[t.vertex(h) as usize];
+    let mut out = BTreeMap::new();
+    for (v, fan) in (0..).zip(t.fans()).filter(|(_, fan)| fan.first != NONE) {
+        let mut h = fan.first;
+        let mut normals = Vec::new();
+        for _ in 0..fan.faces {
+            let (next, before) = (
+                math::sub(at(t.next(h)), at(h)),
+                math::sub(at(t.prev(h)), at(h)),
+            );
+            normals.extend(unit(next, before));
+            h = t.rotate(h);
+            if h == NONE {
+                break;
+            }
         }
+        out.insert(v, mitre(&normals));
     }
+    out
 }
 
 impl Surface {
     /// Displaces the surface from now on, in [`Surface::dice`] and pictures; `None` takes the displacement away. A map needs texture
-    /// coordinates: without, it is read at (0, 0). Evaluation at places ([`evaluate`](crate::evaluate)) goes on answering for the limit
+    /// coordinates: without, it is read at (0, 0). PN triangles then stand on the cage's own normals, not those of the file. Evaluation at places ([`evaluate`](crate::evaluate)) goes on answering for the limit
     /// surface. The rules at seams and creases: [`displace`](crate::displace).
     pub fn set_displacement(&mut self, displacement: Option<Displacement>) {
+        if displacement.is_some() {
+            self.forget_given_normals();
+        }
         self.displaced = displacement.map(|d| Arc::new(Displaced::new(self, d)));
     }
 
@@ -97,7 +128,7 @@ impl Surface {
     /// Bound of how far displacement moves a point; 0 without.
     #[must_use]
     pub fn displacement_reach(&self) -> f32 {
-        self.displaced.as_ref().map_or(0.0, |d| d.reach())
+        self.displaced.as_ref().map_or(0.0, |d| d.reach)
     }
 
     /// Makes what depends on the points again.
@@ -148,6 +179,7 @@ pub(super) struct DisplacedPatch {
     other: ChannelPatch,
     work: Option<Box<Work>>,
     spare: Option<[Box<Grid3>; 2]>,
+    relief: Option<[Box<Grid3>; 3]>,
 }
 
 #[derive(Clone, Debug)]
@@ -197,6 +229,7 @@ impl Default for DisplacedPatch {
             other: ChannelPatch::default(),
             work: None,
             spare: None,
+            relief: None,
         }
     }
 }
@@ -220,16 +253,16 @@ impl DisplacedPatch {
     /// Prepares face `q` of a displaced surface; false of one that is not.
     pub(super) fn prepare(&mut self, surface: &Surface, q: u32, level: u32, sides: Sides) -> bool {
         self.on.clone_from(&surface.displaced);
-        let Some(on) = self.on.clone() else {
-            return false;
-        };
         (self.face, self.level) = (q, level);
         self.triangle = surface.triangles;
-        self.has_uvs = on.displacement.reads_uvs() && surface.has_uvs();
         if let Some(work) = &mut self.work {
             work.own.iter_mut().for_each(Jets::forget);
             work.others.iter_mut().flatten().for_each(Jets::forget);
         }
+        let Some(on) = self.on.clone() else {
+            return false;
+        };
+        self.has_uvs = on.displacement.reads_uvs() && surface.has_uvs();
         if sides > Sides::Hull {
             self.prepare_rims(surface, &on);
         }
@@ -250,6 +283,15 @@ impl DisplacedPatch {
 
     pub(super) fn give_spare(&mut self, spare: [Box<Grid3>; 2]) {
         self.spare = Some(spare);
+    }
+
+    /// The same for limit points, normals and texture coordinates, for relief.
+    pub(super) fn take_relief(&mut self) -> [Box<Grid3>; 3] {
+        (self.relief.take()).unwrap_or_else(|| [Grid3::boxed(), Grid3::boxed(), Grid3::boxed()])
+    }
+
+    pub(super) fn give_relief(&mut self, grids: [Box<Grid3>; 3]) {
+        self.relief = Some(grids);
     }
 
     /// Texture coordinates along side `c` of a face where they are linear.
@@ -277,7 +319,7 @@ impl DisplacedPatch {
             let owner = whole.edge_half(edge);
             let twin = whole.twin(h);
             let held = on.held_edges.contains(&edge);
-            let crease = !held && twin != NONE && cut.twin(h) == NONE;
+            let crease = !held && twin != NONE && (surface.linear || cut.twin(h) == NONE);
             // Only twins answer for each other.
             let own = owner == h || owner != twin;
             let rim = &mut self.rims[c];
@@ -290,7 +332,8 @@ impl DisplacedPatch {
             if crease && n > 1 {
                 self.crease_directions(surface, whole, c, h);
             }
-            let seam = !own && uv_topology.is_some_and(|t| t.twin(h) == NONE);
+            let seam =
+                !own && uv_topology.is_some_and(|t| surface.tables.is_some() || t.twin(h) == NONE);
             if seam && n > 1 {
                 self.seam_uvs(surface, whole, c);
             }
@@ -300,7 +343,12 @@ impl DisplacedPatch {
             let first = |t: &Topology, fan: u32| t.fans()[fan as usize].first;
             let uv = |h: u32| surface.uv_limit(h).unwrap_or_default();
             let held = on.held_vertices.contains(&whole.vertex(h));
-            let owner = first(cut, cut.fan(h));
+            // Faces of the bilinear scheme have their own normals.
+            let owner = if surface.linear {
+                h
+            } else {
+                first(cut, cut.fan(h))
+            };
             let corner = &mut self.corners[c];
             corner.owner = owner;
             corner.direction = match held {
@@ -452,6 +500,8 @@ impl DisplacedPatch {
             wants_normals,
             &mut work.heights,
         );
+        // Under slopes by pixel, normals are those of the limit.
+        let wants_normals = wants_normals && on.displacement.pixel_map().is_none();
         if wants_normals {
             self.normals(surface, &on, part, normals, &mut work);
         }
@@ -719,6 +769,97 @@ impl DisplacedPatch {
             }
         }
         self.work = Some(work);
+    }
+
+    /// Leaves in `out` the vectors by which slopes of the map tilt normals, at the points of a part: limit points and normals, and texture
+    /// coordinates.
+    pub(super) fn tilts(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        out: [&mut Grid3; 2],
+    ) {
+        let Some(on) = self.on.clone() else { return };
+        let mut work = self.work.take().unwrap_or_default();
+        self.each_around(
+            surface,
+            part,
+            [points, normals, uvs],
+            &mut work,
+            |k, around| {
+                let (height, _) = on.displacement.slope_at(around.position, around.uv);
+                let [a, b] = on.displacement.tilts(around, height);
+                out[0].put(k, a);
+                out[1].put(k, b);
+            },
+        );
+        self.work = Some(work);
+    }
+
+    /// Leaves in `out` the derivatives of the limit surface by its texture coordinates.
+    pub(super) fn tangents(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        out: [&mut Grid3; 2],
+    ) {
+        let mut work = self.work.take().unwrap_or_default();
+        self.each_around(
+            surface,
+            part,
+            [points, normals, uvs],
+            &mut work,
+            |k, around| {
+                let [a, b] = around.bend.by_uv(around.uv_by);
+                out[0].put(k, a);
+                out[1].put(k, b);
+            },
+        );
+        self.work = Some(work);
+    }
+
+    fn each_around(
+        &self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        work: &mut Work,
+        mut each: impl FnMut(usize, &Around),
+    ) {
+        let side = part.segments as usize + 1;
+        work.row.resize(side, Derivatives::default());
+        work.uv_row.resize(side, Derivatives::default());
+        for j in 0..side {
+            let row = (part, j as u32);
+            let [own, own_uv] = &mut work.own;
+            if !own.row::<2>(
+                surface,
+                Kind::Points,
+                self.level,
+                self.face,
+                row,
+                self.simd,
+                &mut work.row,
+            ) {
+                differences(points, j, &mut work.row);
+            }
+            self.uv_row(surface, own_uv, row, uvs, &mut work.uv_row);
+            for i in 0..side {
+                let k = j * BLOCK_STRIDE + i;
+                each(
+                    k,
+                    &Around {
+                        position: points.at(k),
+                        normal: normals.at(k),
+                        bend: bend(&work.row[i]),
+                        uv: two(uvs.at(k)),
+                        uv_by: uv_by(&work.uv_row[i]),
+                    },
+                );
+            }
+        }
     }
 
     fn uv_row(

@@ -10,8 +10,9 @@ use crate::dice::{DiceFault, Target};
 use crate::patch::FacePatches;
 use crate::records::Grid3;
 use crate::simd::Level;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// What dices a face.
 #[derive(Clone, Copy, Debug, Default)]
@@ -210,12 +211,15 @@ pub(crate) struct QuadPatch {
     color_ready: bool,
     linear: Option<[[f32; 3]; 4]>,
     level: u32,
+    face: u32,
     simd: Option<Level>,
     /// Made with the first displaced face.
     displaced: RefCell<Option<Box<DisplacedPatch>>>,
     is_displaced: bool,
     /// How far it reaches beyond hulls.
     reach: f32,
+    /// Time spent displacing since it was taken last, if that is measured.
+    pub(crate) clock: Cell<Option<Duration>>,
 }
 
 impl QuadPatch {
@@ -263,12 +267,10 @@ impl QuadPatch {
         sides: Sides,
     ) {
         self.level = level;
+        self.face = q;
         self.uv_ready = false;
         self.color_ready = false;
         self.triangle = surface.triangles;
-        if refined.is_none() && self.points.prepare_patches(surface, q, level, sides) {
-            return;
-        }
         let target = match refined {
             Some(_) if !surface.linear => Target::Refined,
             _ => Target::Limit,
@@ -279,6 +281,9 @@ impl QuadPatch {
             true => Sides::Normals,
             false => sides,
         };
+        if refined.is_none() && self.points.prepare_patches(surface, q, level, sides) {
+            return;
+        }
         let wanted = Wanted {
             target,
             level,
@@ -386,7 +391,11 @@ impl QuadPatch {
             self.dice_part_uvs(part, uvs);
             &**uvs
         });
+        let begin = self.clock.get().map(|_| Instant::now());
         displaced.displace(surface, part, points, normals, uvs, wants_normals);
+        if let (Some(begin), Some(before)) = (begin, self.clock.get()) {
+            self.clock.set(Some(before + begin.elapsed()));
+        }
         displaced.give_spare(spare);
     }
 
@@ -424,6 +433,55 @@ impl QuadPatch {
         self.points.dice_part(part, points, normals);
     }
 
+    /// Bound of what the diced samples of a part do not show of its displacement, in model units; 0 without.
+    pub(crate) fn hidden(&self, surface: &Surface, part: Part, points: &Grid3) -> f32 {
+        let Some(displacement) = surface.displacement() else {
+            return 0.0;
+        };
+        let mut kept = self.displaced.borrow_mut();
+        let Some(patch) = kept.as_deref_mut() else {
+            return 0.0;
+        };
+        let mut spare = patch.take_spare();
+        let [uvs, _] = &mut spare;
+        if patch.reads_uvs() {
+            self.dice_part_uvs(part, uvs);
+        }
+        let hidden = displacement.hidden(part.segments as usize + 1, points, uvs);
+        patch.give_spare(spare);
+        hidden
+    }
+
+    /// For relief, what of a part's limit surface tilts normals: under slopes by pixel the vectors for the slopes of the displacement's map,
+    /// else the derivatives by the texture coordinates, which must be prepared.
+    pub(crate) fn dice_tangents(
+        &self,
+        surface: &Surface,
+        part: Part,
+        first: &mut Grid3,
+        second: &mut Grid3,
+    ) {
+        let mut kept = self.displaced.borrow_mut();
+        let patch = kept.get_or_insert_default();
+        if !self.is_displaced {
+            patch.set_simd(self.simd.unwrap_or(Level::SCALAR));
+            patch.prepare(surface, self.face, self.level, Sides::Hull);
+        }
+        let mut grids = patch.take_relief();
+        let [points, normals, uvs] = &mut grids;
+        self.points.dice_part(part, points, Some(normals));
+        self.dice_part_uvs(part, uvs);
+        let by_pixel = surface
+            .displacement()
+            .is_some_and(|d| d.pixel_map().is_some());
+        let out = [first, second];
+        match by_pixel {
+            true => patch.tilts(surface, part, [points, normals, uvs], out),
+            false => patch.tangents(surface, part, [points, normals, uvs], out),
+        }
+        patch.give_relief(grids);
+    }
+
     /// Texture coordinates of a part.
     pub(crate) fn dice_part_uvs(&self, part: Part, out: &mut Grid3) {
         match self.linear {
@@ -438,7 +496,7 @@ impl QuadPatch {
     }
 
     /// Point and unit normal at (`u`, `v`) of the patches that were prepared.
-    pub(super) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
+    pub(crate) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
         self.points.patches.at(u, v)
     }
 
