@@ -14,7 +14,7 @@ use super::basis::{Basis, Target};
 use super::net::Net;
 use super::point::P4;
 use super::regular::{
-    LANES, Lanes, Lanes3, blend, mix3, one_by_one, take, unit_lanes, unit_of, weights,
+    LANES, Lanes3, blend, mix3, one_by_one, take, unit_lanes, unit_of, weights, zeros,
 };
 use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::simd::Level;
@@ -305,8 +305,7 @@ impl Strip {
     ) {
         let basis = Basis::get(target, level);
         let row = self.across(basis.across);
-        let zero = [Lanes([0.0; W]); 3];
-        let mut line = zero;
+        let mut line = zeros::<W>();
         for i in (0..run.count).step_by(W) {
             mix3(&take::<W>(&basis.point, run.first + i), &row, &mut line);
             points.put(run.at + i, (run.count - i).min(W), &line);
@@ -314,7 +313,7 @@ impl Strip {
         let Some(normals) = normals else { return };
         let along = self.across(Basis::get(Target::Limit, 0).across);
         let (across, spare) = self.slopes();
-        let (mut du, mut dv) = (zero, zero);
+        let (mut du, mut dv) = (zeros::<W>(), zeros::<W>());
         let lanes = black_box(W);
         for i in (0..run.count).step_by(W) {
             mix3(&take::<W>(&basis.slope, run.first + i), &along, &mut du);
@@ -335,15 +334,17 @@ impl Strip {
         target: Target,
         level: u32,
         points: &mut impl Put,
-        mut normals: Option<&mut impl Put>,
+        normals: Option<&mut impl Put>,
     ) {
-        let row = self.across(Basis::get(target, level).across);
+        let basis = Basis::get(target, level);
+        let row = self.across(basis.across);
         for i in 0..run.count {
-            let w = weights(&Basis::get(target, level).point, run.first + i);
-            points.put_one(run.at + i, blend(w, row).xyz());
-            if let Some(normals) = normals.as_deref_mut() {
-                normals.put_one(run.at + i, self.normal(level, run.first + i));
-            }
+            let p = blend(weights(&basis.point, run.first + i), row);
+            points.put_one(run.at + i, [p.0[0], p.0[1], p.0[2]]);
+        }
+        let Some(normals) = normals else { return };
+        for i in 0..run.count {
+            normals.put_one(run.at + i, self.normal(level, run.first + i));
         }
     }
 
@@ -387,7 +388,7 @@ struct Run {
 pub(super) fn sample_polygon(p: &[P4; 4], level: u32, range: SideRange, points: &mut impl Put) {
     let basis = Basis::get(range.target, level.saturating_sub(range.shift));
     let count = (range.high - range.low + 1) as usize;
-    let mut line = [Lanes([0.0; 16]); 3];
+    let mut line = zeros::<16>();
     for i in (0..count).step_by(16) {
         mix3(
             &take::<16>(&basis.point, range.low as usize + i),

@@ -46,12 +46,17 @@ pub(crate) fn weigh3(w: &[Vec<f32>; 4], at: usize, n: usize, q: &[P4; 4], out: &
 }
 
 /// Lanes in memory of their own, so that no vector crosses a cache line.
-#[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes<const W: usize>(pub(super) [f32; W]);
 
 /// Three components.
 pub(super) type Lanes3<const W: usize> = [Lanes<W>; 3];
+
+/// Zeros, each made on its own: copies of one would be loaded before its parts are stored.
+#[inline(always)]
+pub(super) fn zeros<const W: usize>() -> Lanes3<W> {
+    [Lanes([0.0; W]), Lanes([0.0; W]), Lanes([0.0; W])]
+}
 
 /// Keeps the loop around it scalar. Loops over lanes become vectors; without this the compiler would rather vectorise the loop over rows or
 /// components around them, and gather and scatter.
@@ -273,8 +278,7 @@ impl Area {
     fn normals<const W: usize>(&self, net: &[[P4; 4]; 4], basis: &Basis, out: &mut Grid3) {
         let spare = fallback(net);
         let lanes = black_box(W);
-        let zero = [Lanes([0.0; W]); 3];
-        let (mut du, mut dv, mut unit) = (zero, zero, zero);
+        let (mut du, mut dv, mut unit) = (zeros::<W>(), zeros::<W>(), zeros::<W>());
         for row in (0..self.rows).step_by(W) {
             let q = blend_rows(&take::<W>(&basis.limit, self.first + row), net);
             let r = blend_rows(&take::<W>(&basis.slope, self.first + row), net);
@@ -333,7 +337,7 @@ impl Area {
 /// Per column of the net and component, the blends by each lane's weights.
 #[inline(always)]
 fn blend_rows<const W: usize>(w: &Weights<W>, net: &[[P4; 4]; 4]) -> [Lanes3<W>; 4] {
-    let mut out = [[Lanes([0.0; W]); 3]; 4];
+    let mut out = [zeros(), zeros(), zeros(), zeros()];
     for k in 0..4 {
         for c in 0..3 {
             one_by_one();
