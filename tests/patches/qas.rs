@@ -97,8 +97,15 @@ fn distances(cage: &Cage, scheme: Scheme, kind: PatchKind, moved: bool, faces: u
     if moved {
         patches.update_points(&limit_points(&limit)).unwrap();
     }
+    // Of large models every tenth face.
+    let step = if patches.quads().face_count() > 2000 {
+        10
+    } else {
+        1
+    };
     let mut sum = Summary::default();
-    for q in (0..patches.quads().face_count() as u32).take(faces as usize) {
+    let all = 0..patches.quads().face_count() as u32;
+    for q in all.step_by(step).take(faces as usize) {
         sum.add(&of_face(&patches, &limit, q, 3));
     }
     sum
@@ -173,4 +180,41 @@ fn points_on_the_limit_have_no_distance() {
     }
     assert!(sum.max_same < f64::from(2e-6 * size(&cage)), "{sum:?}");
     assert!(sum.max <= sum.max_same && sum.points > 10_000);
+}
+
+/// Models outside of the project.
+#[test]
+fn quadratic_patches_of_real_models_are_closer_than_pn_triangles() {
+    let Some(folder) = common::shared() else {
+        return;
+    };
+    for path in common::models(&folder.join("models")) {
+        let cage = read(&std::fs::read_to_string(&path).unwrap());
+        let scheme = match cage.first_polygon() {
+            None => Scheme::Loop,
+            Some(_) => Scheme::CatmullClark,
+        };
+        let d = f64::from(size(&cage));
+        let [qas, pn, moved] = [
+            (PatchKind::Qas, false),
+            (PatchKind::Pn, false),
+            (PatchKind::Pn, true),
+        ]
+        .map(|(kind, moved)| distances(&cage, scheme, kind, moved, u32::MAX));
+        println!(
+            "{} {scheme:?}: qas {:.2e} rms {:.2e}, pn {:.2e} rms {:.2e}, pn at limit points {:.2e} rms {:.2e}",
+            common::name(&path),
+            qas.max / d,
+            qas.rms() / d,
+            pn.max / d,
+            pn.rms() / d,
+            moved.max / d,
+            moved.rms() / d
+        );
+        assert!(
+            qas.rms() < pn.rms() && qas.rms() < moved.rms(),
+            "{}",
+            path.display()
+        );
+    }
 }

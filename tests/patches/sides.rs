@@ -21,7 +21,7 @@ fn side(surface: &Surface, n: usize, c: usize) -> Vec<usize> {
 fn differences(surface: &Surface, level: u32) -> [usize; 2] {
     let t = surface.quads();
     let corners = if surface.is_triangular() { 3 } else { 4 };
-    let mut first: BTreeMap<[u32; 2], (Vec<[f32; 3]>, Vec<[f32; 3]>)> = BTreeMap::new();
+    let mut first: BTreeMap<[u32; 2], [Vec<[f32; 3]>; 2]> = BTreeMap::new();
     let mut out = [0; 2];
     let mut shared = 0;
     for q in 0..t.face_count() as u32 {
@@ -36,8 +36,8 @@ fn differences(surface: &Surface, level: u32) -> [usize; 2] {
             let points: Vec<[f32; 3]> = along.iter().map(|&k| diced.points[k]).collect();
             let normals: Vec<[f32; 3]> = along.iter().map(|&k| diced.normals[k]).collect();
             match first.get(&[a.min(b), a.max(b)]) {
-                None => drop(first.insert([a.min(b), a.max(b)], (points, normals))),
-                Some((p, n)) => {
+                None => drop(first.insert([a.min(b), a.max(b)], [points, normals])),
+                Some([p, n]) => {
                     shared += 1;
                     out[0] += usize::from(*p != points);
                     // Ends tell whether the faces share normals.
@@ -152,5 +152,29 @@ fn any_cage_has_patches() {
                 }
             }
         }
+    }
+}
+
+/// Models outside of the project.
+#[test]
+fn real_models_agree_on_every_edge() {
+    let Some(folder) = common::shared() else {
+        return;
+    };
+    for path in common::models(&folder.join("models")) {
+        let cage = read(&std::fs::read_to_string(&path).unwrap());
+        let triangles = cage.first_polygon().is_none();
+        let schemes = match triangles {
+            true => [Scheme::Loop, Scheme::Butterfly],
+            false => [Scheme::CatmullClark, Scheme::Bilinear],
+        };
+        for scheme in schemes {
+            for kind in [PatchKind::Qas, PatchKind::Pn] {
+                let surface = surface(&cage, scheme, kind);
+                let found = differences(&surface, 2);
+                assert_eq!(found, [0, 0], "{} {scheme:?} {kind:?}", path.display());
+            }
+        }
+        println!("{}: the same on every edge", common::name(&path));
     }
 }

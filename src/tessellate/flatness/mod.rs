@@ -52,14 +52,13 @@ impl Default for Flatness {
 /// A budget was reached.
 pub(crate) fn tessellate(
     surface: &Surface,
-    view: &View,
-    flatness: &Flatness,
+    (view, flatness): (&View, &Flatness),
+    simd: Level,
     limits: &Limits,
     budget: &mut Budget<'_>,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
 ) -> Result<Tessellation, LimitError> {
     let most = flatness.max_level.min(MAX_LEVEL);
-    let simd = Level::detect();
     let mut level = match surface.has_tables() {
         true => most.min(FIRST_TABLES),
         false => MAX_LEVEL,
