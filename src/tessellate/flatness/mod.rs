@@ -4,7 +4,7 @@
 //! chords are as close to the limit curve as wanted on the screen, a face until its triangles are. Other than there, nothing is passed on:
 //!
 //! 1. `faces`: every face gets a quadtree whose leaves are blocks of at most 32×32 micro-quads, of the level that the surface inside of
-//!    it needs (`cells`).
+//!    it needs: as deep as the points of the next steps lie off its triangles (`surplus`).
 //! 2. `edges`: every cage edge gets a binary tree of splits, once: from its own curve, and from both faces, whose triangles beside it
 //!    should not be drawn out.
 
