@@ -7,7 +7,7 @@ use earmark::texture::{Meaning, Texture};
 use std::sync::Arc;
 
 /// Asset, level, and the name behind a blank.
-pub const ALL: [(&str, u32, &str); 4] = [
+pub(crate) const ALL: [(&str, u32, &str); 4] = [
     ("creature", 4, " displace_seam"),
     ("creature", 4, " displace_noise"),
     ("grid", 7, " displace_terrain"),
@@ -44,7 +44,7 @@ fn studs(side: u32) -> Texture {
     .unwrap()
 }
 
-pub fn edit(name: &str, scene: &mut Scene) {
+pub(crate) fn edit(name: &str, scene: &mut Scene) {
     let displacement = match name {
         "displace_seam" => Displacement::map(rough(64)).scaled(0.06),
         "displace_noise" => function("fbm:frequency=5,octaves=4,seed=3").scaled(0.05),
