@@ -34,8 +34,9 @@
 //!
 //! # Scope and current state
 //!
-//! * Catmull-Clark on polygon meshes of any valence and arity, with boundaries. Creases, corners and the other schemes are read by the
-//!   whole-mesh path ([`refine`]); pictures draw creased cages as smooth ones for now.
+//! * Catmull-Clark, Loop, bilinear, Modified Butterfly and Kobbelt's scheme on meshes of any valence, with boundaries, holes, creases of any
+//!   sharpness, darts and corners: in pictures, in points and derivatives anywhere ([`evaluate`]), and as whole meshes ([`refine`]).
+//! * Modified Butterfly and Kobbelt's scheme know infinite creases only, and are evaluated at dyadic places.
 //! * At an interior vertex of valence 2 the scheme has no limit normal in general; a defined fallback stands there, never NaN.
 //! * Surfaces are opaque: opacity cuts out at one half. One set of studio lights, no shadows.
 //! * Pictures are at most 16383 pixels wide and high.
@@ -46,6 +47,7 @@ pub mod compare;
 pub(crate) mod control;
 pub mod dice;
 pub mod displace;
+pub mod distance;
 pub mod evaluate;
 pub mod files;
 pub mod film;

@@ -6,9 +6,11 @@ use crate::limits::LimitError;
 use crate::mesh::obj::{self, ReadError, ReadOptions};
 use crate::mesh::resolver::Resolver;
 use crate::mesh::{Cage, Material, NONE};
+use crate::patch::PatchKind;
 use crate::shade::{Relief, SurfaceMaterial};
 use crate::surface::{Surface, SurfaceOptions};
 use crate::texture::{Meaning, Texture};
+use crate::topology::TopologyWarning;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -61,14 +63,20 @@ pub enum LoadError {
 }
 
 /// About how many bytes a surface takes at its peak, while it is being connected: rounded up from measurements.
-fn surface_bytes(cage: &Cage) -> u128 {
+fn surface_bytes(cage: &Cage, patches: PatchKind) -> u128 {
     let corners = cage.corner_vertices.len() as u128;
     let values = (cage.points.len() + cage.uvs.len() + cage.colors.len()) as u128;
     let quads = cage.face_offsets.windows(2).all(|w| w[1] - w[0] == 4);
     let per_corner = if quads { PER_CORNER } else { PER_CORNER * 8 };
     let channels = 1 + u128::from(!cage.corner_uvs.is_empty());
-    corners * per_corner * channels + values * PER_VERTEX
+    let pn = u128::from(patches == PatchKind::Pn) * (corners * PN_CORNER + values * PN_VERTEX);
+    corners * per_corner * channels + values * PER_VERTEX + pn
 }
+
+/// What PN triangles keep, and pass through, per corner: two normals, two control points, a middle, a face's normal, a count.
+const PN_CORNER: u128 = 96;
+/// The same per vertex: a tension, two neighbours along creases.
+const PN_VERTEX: u128 = 16;
 
 /// Bytes per corner of a cage of quads. Others are split into four times as many, and are held beside.
 const PER_CORNER: u128 = 26;
@@ -117,7 +125,8 @@ impl Loader {
         resolver: &mut dyn Resolver,
     ) -> Result<(), LoadError> {
         let read = self.read(bytes, name, resolver)?;
-        self.add_cage(read.cage, name, resolver)
+        let line = |face| obj::line_of_face(bytes, &read.report, face);
+        self.add_cage_of_lines(read.cage, name, resolver, &line)
     }
 
     /// The first half of [`Loader::add_bytes`], for who times it: text to cage. Warnings are kept.
@@ -142,14 +151,29 @@ impl Loader {
     /// [`LoadError::Limit`] when the surface would take more than [`LoadOptions::max_surface`].
     pub fn add_cage(
         &mut self,
+        cage: Cage,
+        name: &str,
+        resolver: &mut dyn Resolver,
+    ) -> Result<(), LoadError> {
+        self.add_cage_of_lines(cage, name, resolver, &|_| None)
+    }
+
+    /// The same where the lines of faces can be told: warnings name them. `line_of_face` is asked once or twice, if at all, and may take as
+    /// long as reading the text once more ([`obj::line_of_face`]).
+    ///
+    /// # Errors
+    /// [`LoadError::Limit`] when the surface would take more than [`LoadOptions::max_surface`].
+    pub fn add_cage_of_lines(
+        &mut self,
         mut cage: Cage,
         name: &str,
         resolver: &mut dyn Resolver,
+        line_of_face: &dyn Fn(u32) -> Option<usize>,
     ) -> Result<(), LoadError> {
         if let Some(first) = self.scene.objects.first() {
             cage.move_origin(first.surface.cage().origin());
         }
-        let wanted = surface_bytes(&cage);
+        let wanted = surface_bytes(&cage, self.options.surface.patches);
         if wanted > u128::from(self.options.max_surface) {
             return Err(LoadError::Limit(LimitError::Memory {
                 what: "the surface",
@@ -158,8 +182,12 @@ impl Loader {
             }));
         }
         let surface = Surface::new(cage, &self.options.surface);
-        self.warnings
-            .extend(surface.warnings().iter().map(|w| format!("{name}: {w}")));
+        let place = |w: &TopologyWarning| w.face(surface.topology()).and_then(line_of_face);
+        let said = |w: &TopologyWarning| match place(w) {
+            Some(line) => format!("{name}:{line}: {w}"),
+            None => format!("{name}: {w}"),
+        };
+        self.warnings.extend(surface.warnings().iter().map(said));
         self.add_surface(surface, name, resolver);
         Ok(())
     }

@@ -221,6 +221,13 @@ impl Surface {
         Ok(())
     }
 
+    /// Leaves PN triangles with the cage's own normals, which differ along creases alone: elsewhere nobody keeps sides together that move apart.
+    fn forget_given_normals(&mut self) {
+        if let Some(PatchCage::Pn(pn)) = &mut self.patches {
+            pn.move_points(&self.mesh.base, &self.cage.points);
+        }
+    }
+
     /// The patches that are diced in place of the limit surface.
     #[must_use]
     pub fn patch_kind(&self) -> PatchKind {
@@ -387,7 +394,14 @@ impl Surface {
         std::iter::once(level).chain(fitted.then_some(1))
     }
 
-    /// The same within a budget.
+    /// Makes the control levels that evaluation has for all faces at once, in about so many bytes.
+    pub(crate) fn ensure_evaluation(&self, bytes: u128) {
+        if let Some(control) = &self.control {
+            control.ensure_evaluation(bytes);
+        }
+    }
+
+    /// As [`Surface::ensure`], within a budget.
     ///
     /// # Errors
     /// What is to be made would not fit; nothing is allocated for it then.
@@ -443,6 +457,11 @@ impl Surface {
     /// A walk to single points of an interpolating surface, or to texture coordinates.
     pub(crate) fn walk(&self, kind: Kind) -> Option<Walk<'_>> {
         self.tables.as_ref()?.walk(kind)
+    }
+
+    /// Whether faces are patches without control levels: nothing has to be made before they are evaluated.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.control.is_none() && self.tables.is_none()
     }
 
     /// The control levels below a channel.
@@ -561,6 +580,10 @@ impl Surface {
     #[must_use]
     pub fn is_triangular(&self) -> bool {
         self.triangles
+    }
+    /// How the cage was read.
+    pub(crate) fn options(&self) -> &SurfaceOptions {
+        &self.options
     }
     /// The scheme it is subdivided by.
     #[must_use]

@@ -48,6 +48,7 @@ fn every_flag_says_its_default_or_takes_no_value() {
                 "--output",
                 "--format",
                 "--timeout",
+                "--depth-tags",
             ];
             if takes_value && !optional_file.iter().any(|f| line.contains(f)) {
                 let at = text.find(line).unwrap();
@@ -386,6 +387,49 @@ fn what_looks_like_a_mistake_is_warned_of() {
         let colored = stderr(&draw(&["--color", "always"]));
         assert!(colored.starts_with("\u{1b}["), "{colored:?}");
     }
+}
+
+#[test]
+fn odd_edges_are_warned_of_with_their_lines() {
+    let folder = Folder::new("odd-edges");
+    let (model, out) = (folder.path("odd.obj"), folder.path("out.png"));
+    // A third quad at the edge 1-2, and one wound the other way at 3-4; before them a face that is left out.
+    let text = "\u{feff}v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 -1 0\nv 0 -1 0\nv 1 0 1\nv 0 0 1\nv 1 2 0\nv 0 2 0\n\
+        f 1 1 2\nf 1 2 3 4\nf 2 1 6 5\n# a comment\n\nf 1 2 7 8\nf 3 4 10 9\n";
+    fs::write(&model, text).unwrap();
+    let refined = folder.path("fine.obj");
+    let verbs: [&[&str]; 3] = [
+        &["render", "-s", "32x32", "-o"],
+        &["refine", "-l", "1", "-o"],
+        &["info"],
+    ];
+    for verb in verbs {
+        let mut command = earmark();
+        command.args(verb);
+        if verb.len() > 1 {
+            command.arg(if verb[0] == "render" { &out } else { &refined });
+        }
+        let result = command.arg(&model).output().unwrap();
+        assert_eq!(code(&result), 0, "{}", stderr(&result));
+        let message = stderr(&result);
+        for wanted in [
+            "odd.obj:16: 1 edges with three",
+            "odd.obj:17: 1 edges between",
+        ] {
+            assert!(message.contains(wanted), "{message}");
+        }
+    }
+    // From standard input there is nothing to be read again.
+    fs::write(
+        &model,
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 2 3 4 1\n",
+    )
+    .unwrap();
+    let result = earmark()
+        .args(["info", "--triangulate", "--scheme", "loop"])
+        .arg(&model)
+        .output();
+    assert_eq!(code(&result.unwrap()), 0);
 }
 
 #[test]
@@ -742,4 +786,149 @@ fn control_faces_beyond_the_memory_are_code_5() {
     assert!(!picture.exists());
     let drawn = render("2G");
     assert_eq!(code(&drawn), 0, "{}", stderr(&drawn));
+}
+
+#[test]
+fn patches_are_drawn_and_tensions_read() {
+    let folder = Folder::new("patches");
+    let (out, tags) = (folder.path("out.png"), folder.path("tags.txt"));
+    let cube = asset("cube.obj");
+    let draw = |more: &[&str]| {
+        let mut arguments = vec![
+            "render",
+            cube.to_str().unwrap(),
+            "-o",
+            out.to_str().unwrap(),
+        ];
+        arguments.extend(["-s", "32x32", "-l", "3", "-q"]);
+        arguments.extend(more);
+        run(&arguments)
+    };
+    let tags_flag = ["--surface", "pn", "--pn-tags", tags.to_str().unwrap()];
+    let mut pictures = Vec::new();
+    let mut good = |more: &[&str]| {
+        let done = draw(more);
+        assert_eq!(code(&done), 0, "{}", stderr(&done));
+        pictures.push(fs::read(&out).unwrap());
+    };
+    good(&["--surface", "limit"]);
+    good(&["--surface", "qas"]);
+    good(&["--surface", "pn"]);
+    fs::write(&tags, "0 0 0 0\n0 0 0 0 # flat\n").unwrap();
+    good(&tags_flag);
+    fs::write(&tags, "1\n".repeat(8)).unwrap();
+    good(&tags_flag);
+    assert!(pictures[4] == pictures[2]);
+    assert!((0..4).all(|i| (0..i).all(|k| pictures[i] != pictures[k])));
+    for (text, line, part) in [
+        ("1\n1 2\n", 2, "\"2\""),
+        ("1\n1\n", 2, "2 numbers"),
+        ("1 1 1 1 1 1 1 1\n1", 2, "more numbers"),
+        ("1\nx\n", 2, "\"x\""),
+    ] {
+        fs::write(&tags, text).unwrap();
+        let failed = draw(&tags_flag);
+        let message = assert_clean(&failed);
+        assert_eq!(code(&failed), 3, "{message}");
+        assert!(
+            message.contains(&format!("tags.txt:{line}: ")) && message.contains(part),
+            "{message}"
+        );
+    }
+    fs::remove_file(&tags).unwrap();
+    assert_eq!(code(&draw(&tags_flag)), 4);
+    assert_eq!(code(&draw(&["--pn-tags", tags.to_str().unwrap()])), 2);
+}
+
+#[test]
+fn depth_tags_are_read_or_refused() {
+    let folder = Folder::new("depth-tags");
+    let (file, out) = (folder.path("tags.txt"), folder.path("out.png"));
+    let render = |tags: &std::ffi::OsStr, more: &[&str]| {
+        let _ = fs::remove_file(&out);
+        let run = earmark()
+            .args(["render", "-s", "32x32", "--stats", "-", "--depth-tags"])
+            .arg(tags)
+            .args(more)
+            .arg(asset("cube.obj"))
+            .arg("-o")
+            .arg(&out)
+            .output()
+            .unwrap();
+        assert_eq!(out.exists(), code(&run) == 0);
+        run
+    };
+    let write = |text: &str| fs::write(&file, text).unwrap();
+    write("# a cube\n3 3 3 3\n3 3 3 3\n");
+    for pattern in [
+        &[][..],
+        &["--pattern", "split"],
+        &["--pattern", "equilateral"],
+    ] {
+        let run = render(file.as_os_str(), pattern);
+        assert_eq!(code(&run), 0, "{}", stderr(&run));
+        let json: serde_json::Value = serde_json::from_str(&stdout(&run)).unwrap();
+        assert_eq!(json["microtriangles"], 6 * 128);
+        assert!(json["stages"]["depth_tags_ms"].is_number());
+        assert_eq!(
+            json["stages"]["patterns_ms"].is_number(),
+            !pattern.is_empty()
+        );
+    }
+    for (text, message) in [
+        (
+            "1\n2\n11\n",
+            "tags.txt:3: \"11\" is no integer from 0 to 10",
+        ),
+        (
+            "1 2 3 4\n-5",
+            "tags.txt:2: \"-5\" is no integer from 0 to 10",
+        ),
+        (
+            "1 2 3\n4 5\n",
+            "tags.txt:2: 5 depth tags at the end; the cage has 8 vertices",
+        ),
+        (
+            "1 1 1 1 1 1 1 1\n1\n",
+            "tags.txt:2: more than 8 depth tags; the cage has 8 vertices",
+        ),
+        (
+            "",
+            "tags.txt:1: 0 depth tags at the end; the cage has 8 vertices",
+        ),
+    ] {
+        write(text);
+        let run = render(file.as_os_str(), &[]);
+        assert_eq!(code(&run), 3, "{text:?}");
+        assert!(
+            stderr(&run).trim_end().ends_with(message),
+            "{}",
+            stderr(&run)
+        );
+    }
+    fs::remove_file(&file).unwrap();
+    assert_eq!(code(&render(file.as_os_str(), &[])), 4);
+    assert_eq!(code(&render(folder.path("").as_os_str(), &[])), 4);
+    for source in ["distance", "curvature", "distance+curvature"] {
+        assert_eq!(code(&render(source.as_ref(), &[])), 0);
+    }
+    for more in [
+        ["--level", "3"],
+        ["--adaptive", "1"],
+        ["--pattern", "other"],
+    ] {
+        assert_eq!(code(&render("distance".as_ref(), &more)), 2, "{more:?}");
+    }
+    let lone = earmark()
+        .args(["render", "--pattern", "split", "-o", "x.png"])
+        .arg(asset("cube.obj"))
+        .output()
+        .unwrap();
+    assert_eq!(code(&lone), 2);
+}
+
+#[test]
+fn the_papers_bring_their_own_models() {
+    let out = run(&["bench", "paper", "cube.obj"]);
+    assert_eq!(code(&out), 2);
 }

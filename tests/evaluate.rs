@@ -545,6 +545,7 @@ fn surfaces_are_continuous_at_every_corner() {
                 face_varying: Some(case.fvar),
                 creases: Some(case.options.creases),
                 triangles: Some(case.options.triangles),
+                ..SurfaceOptions::default()
             };
             let surface = Surface::new(cage_of(&random.shape), &options);
             for f in (0..surface.topology().face_count() as u32).step_by(5) {

@@ -54,6 +54,16 @@ fn render_writes_a_picture() {
 }
 
 #[test]
+fn patch_distances_writes_a_sheet() {
+    let out = std::env::temp_dir().join(format!("earmark-patches-{}.png", std::process::id()));
+    output("patch_distances", &["-", out.to_str().unwrap(), "40"]);
+    let bytes = std::fs::read(&out).unwrap();
+    // Four columns of 40 pixels with margins of 16.
+    assert_eq!(&bytes[16..20], &240_u32.to_be_bytes());
+    std::fs::remove_file(&out).unwrap();
+}
+
+#[test]
 fn contact_sheet_draws_a_folder() {
     let folder = std::env::temp_dir().join(format!("earmark-sheet-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

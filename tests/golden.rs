@@ -12,9 +12,12 @@ use earmark::compare::{compare, difference};
 use earmark::film::Image;
 use earmark::frame::{Drawing, Refinement};
 use earmark::load::{LoadOptions, Loader};
+use earmark::mesh::resolver::NoFiles;
+use earmark::patch::PatchKind;
 use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::simd::Level;
+use earmark::tessellate::{DepthTags, Pattern};
 use earmark::{Camera, Renderer, SurfaceOptions, film};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -29,6 +32,9 @@ struct Golden {
     mode: ShadeMode,
     samples: u32,
     camera: Camera,
+    patches: PatchKind,
+    /// Depth tags in place of the level, and whether vertices have random ones.
+    tags: Option<(DepthTags, bool)>,
 }
 
 /// Scheme and level are part of the name.
@@ -45,6 +51,8 @@ fn goldens() -> Vec<Golden> {
             mode,
             samples,
             camera,
+            patches: PatchKind::None,
+            tags: None,
         });
     };
     let camera = Camera::default();
@@ -184,10 +192,106 @@ fn goldens() -> Vec<Golden> {
             mode: ShadeMode::Lit,
             samples: 4,
             camera,
+            patches: PatchKind::None,
+            tags: None,
         });
+    }
+    for (asset, scheme, kind, patches) in [
+        ("creature", Scheme::CatmullClark, "qas", PatchKind::Qas),
+        ("creature", Scheme::CatmullClark, "pn", PatchKind::Pn),
+        ("part_creased", Scheme::CatmullClark, "pn", PatchKind::Pn),
+        ("icosahedron", Scheme::Loop, "limit", PatchKind::None),
+        ("icosahedron", Scheme::Loop, "qas", PatchKind::Qas),
+        ("icosahedron", Scheme::Loop, "pn", PatchKind::Pn),
+    ] {
+        out.push(Golden {
+            name: format!("{asset}_{kind}_l4"),
+            asset,
+            scheme,
+            level: 4,
+            drawing: Drawing::Limit,
+            mode: ShadeMode::Lit,
+            samples: 4,
+            camera,
+            patches,
+            tags: None,
+        });
+    }
+    out.extend(tagged());
+    out
+}
+
+/// Topics of their own: depth tags and refinement patterns.
+fn tagged() -> Vec<Golden> {
+    let by = |pattern| DepthTags {
+        pattern: Some(pattern),
+        ..DepthTags::GIVEN
+    };
+    let topics = [
+        ("tags_distance", DepthTags::by_distance(), false),
+        ("tags_random", DepthTags::GIVEN, true),
+        ("pattern_split", by(Pattern::Split), true),
+        ("pattern_equilateral", by(Pattern::Equilateral), true),
+    ];
+    let mut out = Vec::new();
+    for (topic, tags, random) in topics {
+        for (asset, scheme, what, mode) in [
+            ("creature", Scheme::CatmullClark, "", ShadeMode::Lit),
+            ("creature", Scheme::CatmullClark, "_level", ShadeMode::Level),
+            ("cube", Scheme::CatmullClark, "_flat", ShadeMode::Flat),
+            ("octahedron", Scheme::Loop, "_flat", ShadeMode::Flat),
+            ("octahedron", Scheme::Loop, "", ShadeMode::Lit),
+        ] {
+            out.push(Golden {
+                name: format!("{topic}_{asset}{what}"),
+                asset,
+                scheme,
+                level: 0,
+                drawing: Drawing::Limit,
+                mode,
+                samples: 4,
+                camera: Camera::default(),
+                patches: PatchKind::None,
+                tags: Some((tags, random)),
+            });
+        }
     }
     out
 }
+
+const ICOSAHEDRON: &str = "v -1 1.618034 0
+v 1 1.618034 0
+v -1 -1.618034 0
+v 1 -1.618034 0
+v 0 -1 1.618034
+v 0 1 1.618034
+v 0 -1 -1.618034
+v 0 1 -1.618034
+v 1.618034 0 -1
+v 1.618034 0 1
+v -1.618034 0 -1
+v -1.618034 0 1
+f 1 12 6
+f 1 6 2
+f 1 2 8
+f 1 8 11
+f 1 11 12
+f 2 6 10
+f 6 12 5
+f 12 11 3
+f 11 8 7
+f 8 2 9
+f 4 10 5
+f 4 5 3
+f 4 3 7
+f 4 7 9
+f 4 9 10
+f 5 10 6
+f 3 5 12
+f 7 3 11
+f 9 7 8
+f 10 9 2
+";
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("golden")
@@ -197,17 +301,36 @@ fn draw(g: &Golden, simd: Level) -> Image {
     let mut loader = Loader::new(LoadOptions {
         surface: SurfaceOptions {
             scheme: Some(g.scheme),
+            patches: g.patches,
             ..SurfaceOptions::default()
         },
         ..LoadOptions::default()
     });
-    let path = common::assets().join(format!("{}.obj", g.asset));
-    loader.add_file(&path).unwrap();
+    if g.asset == "icosahedron" {
+        let read = loader.read(ICOSAHEDRON.as_bytes(), g.asset, &mut NoFiles);
+        let cage = read.unwrap().cage;
+        loader.add_cage(cage, g.asset, &mut NoFiles).unwrap();
+    } else {
+        let path = common::assets().join(format!("{}.obj", g.asset));
+        loader.add_file(&path).unwrap();
+    }
     let mut scene = loader.finish().0;
     displaced::edit(&g.name, &mut scene);
     let mut renderer = Renderer::new(256, 256);
     renderer.size.samples = g.samples;
     renderer.refinement = Refinement::Uniform(g.level);
+    if let Some((tags, random)) = g.tags {
+        renderer.refinement = Refinement::DepthTags(tags);
+        let mut numbers = common::Random(11);
+        let count = scene.objects[0].surface.cage().points().len();
+        // Few vertices have tags that differ.
+        const FEW: [u8; 8] = [5, 0, 4, 1, 5, 2, 3, 0];
+        let tags = (0..count).map(|k| match count <= FEW.len() {
+            true => FEW[k],
+            false => (numbers.next() % 6) as u8,
+        });
+        scene.objects[0].depth_tags = if random { tags.collect() } else { Vec::new() };
+    }
     renderer.drawing = g.drawing;
     renderer.mode = g.mode;
     renderer.simd = simd;

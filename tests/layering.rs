@@ -50,7 +50,13 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     (
         "evaluate",
-        &["math", "control", "dice", "surface", "Surface"],
+        &[
+            "math", "mesh", "control", "dice", "surface", "Cage", "Surface",
+        ],
+    ),
+    (
+        "distance",
+        &["math", "mesh", "patch", "surface", "evaluate"],
     ),
     (
         "stream",
@@ -78,6 +84,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "frame",
         &[
             "tessellate",
+            "patch",
             "displace",
             "evaluate",
             "math",
@@ -104,7 +111,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "load",
         &[
-            "files", "frame", "mesh", "shade", "surface", "texture", "limits", "scheme",
+            "files", "frame", "mesh", "patch", "shade", "surface", "texture", "topology", "limits",
+            "scheme",
         ],
     ),
 ];

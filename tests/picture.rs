@@ -659,6 +659,7 @@ fn shading_survives_anything() {
         opacity: f32::NAN,
         diffuse_map: Some(0),
         opacity_map: Some(77),
+        relief: None,
     }];
     let view = Camera::default().framing(&UNIT, size(8, 8)).expect("valid");
     let values = [0.0, 1.0, -1e-30, 1e30, f32::NAN, f32::NEG_INFINITY];
@@ -672,6 +673,7 @@ fn shading_survives_anything() {
             geometric: three(),
             color: three(),
             uv: (i % 2 == 0).then(|| [pick(), pick()]),
+            tangents: None,
             uv_footprint: pick(),
             depth01: pick(),
             face: i,

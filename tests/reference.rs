@@ -77,6 +77,7 @@ fn shapes(shared: &Path) -> Vec<Shape> {
                 "smooth" => TriangleRule::Smooth,
                 _ => TriangleRule::Catmark,
             }),
+            ..SurfaceOptions::default()
         };
         if columns[6] == "plain" {
             let name = columns[0].to_owned();

@@ -5,3 +5,5 @@ mod common;
 mod coverage;
 #[path = "tags/patterns.rs"]
 mod patterns;
+#[path = "tags/pictures.rs"]
+mod pictures;

@@ -1,6 +1,7 @@
 //! `earmark bench`: steady state in process. One run warms caches and memory up, then each repetition is measured whole; the stages of a
 //! frame come from further repetitions, because reading clocks per block takes time itself.
 
+use super::bench_patches::{self, Found};
 use super::exit::Failure;
 use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags};
 use super::job::{Job, commit_all, print_text};
@@ -28,6 +29,11 @@ pub(crate) enum Suite {
     Raster,
     /// Limit points and first derivatives anywhere: one place at a time, from prepared faces, in a batch, on grids of 17 by 17
     Evaluate,
+    /// QAS and PN patches: time per point of a uniform level (default 4) against that of the limit surface, and distances from it
+    Patches,
+    /// Tables of the papers again, on cages of as many faces that are made here: frames of 1024 by 1024 with one sample, and what was
+    /// published for a GPU
+    Paper,
 }
 
 #[derive(Args, Debug)]
@@ -62,9 +68,25 @@ const REFINE_LEVEL: u32 = 4;
 
 /// Times of one stage over the repetitions.
 pub(super) struct Row {
-    stage: &'static str,
-    times: Vec<Time>,
-    items: u64,
+    pub(super) stage: &'static str,
+    pub(super) times: Vec<Time>,
+    pub(super) items: u64,
+    published: Option<Published>,
+}
+
+/// What a paper has in a row.
+#[derive(Clone, Copy)]
+pub(super) struct Published {
+    pub(super) milliseconds: f64,
+    /// Faces of the cage.
+    pub(super) coarse: u64,
+}
+
+/// Notes what was published for a row.
+pub(super) fn publish(rows: &mut [Row], stage: &'static str, published: Published) {
+    for row in rows.iter_mut().filter(|r| r.stage == stage) {
+        row.published = Some(published);
+    }
 }
 
 /// What a suite found.
@@ -82,6 +104,9 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         None => None,
     };
     check_picture(&a.picture, &job.limits(), 8)?;
+    if a.suite == Suite::Paper && !models.is_empty() {
+        return Err(Failure::usage("bench paper makes its own models"));
+    }
     let mut scene = if models.is_empty() {
         let options = SurfaceOptions {
             patches: a.level.patches(),
@@ -93,17 +118,28 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     };
     job.read_depth_tags(&mut scene, &a.level)?;
     watch::phase(Phase::Measuring);
+    let mut distances = Vec::new();
     let outcome = match a.suite {
         Suite::Refine => refine(job, a, &mut scene)?,
         Suite::Frame => frame(job, a, &mut scene, a.level.drawing(), true)?,
+        Suite::Patches => bench_patches::patches(job, a, &scene, &mut distances)?,
         Suite::Evaluate => super::bench_evaluate::evaluate(job, a, &mut scene)?,
+        Suite::Paper => super::bench_paper::paper(job, a)?,
         Suite::Raster => frame(job, a, &mut scene, Drawing::Cage, false)?,
+    };
+    let built_in = match a.suite {
+        Suite::Paper => "paper",
+        _ => "torus",
     };
     let name = a
         .model_path
         .as_ref()
-        .map_or_else(|| "torus".to_owned(), |p| p.display().to_string());
-    let report = report(job, a, Json::text(&*name), &outcome);
+        .map_or_else(|| built_in.to_owned(), |p| p.display().to_string());
+    let mut report = report(job, a, Json::text(&*name), &outcome);
+    if let (Json::Object(members), false) = (&mut report, distances.is_empty()) {
+        let all = distances.iter().map(Found::json).collect();
+        members.push(("distances".to_owned(), Json::List(all)));
+    }
     let mut staged = Vec::new();
     if let Some(stats) = stats {
         staged.push(stats.stage(format!("{report}\n").as_bytes())?);
@@ -112,6 +148,9 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         print_text(&format!("{report}\n"))?;
     } else {
         print_text(&table(job, a, &outcome))?;
+        if !distances.is_empty() {
+            print_text(&bench_patches::table(&distances))?;
+        }
     }
     commit_all(staged)
 }
@@ -234,12 +273,18 @@ pub(super) fn push(
             stage,
             times: vec![time],
             items: items(stage),
+            published: None,
         }),
     }
 }
 
 /// Dices everything and keeps nothing.
-fn dice_all(scene: &Scene, level: u32, normals: bool, limits: &Limits) -> Result<(), Failure> {
+pub(super) fn dice_all(
+    scene: &Scene,
+    level: u32,
+    normals: bool,
+    limits: &Limits,
+) -> Result<(), Failure> {
     /// Quads between two looks at the limits.
     const CHUNK: u32 = 64;
     for object in &scene.objects {
@@ -390,14 +435,34 @@ fn report(job: &Job, a: &Arguments, model: Json, outcome: &Outcome) -> Json {
             ("ns_per_item_min", Json::Number(row.ns_per_item())),
         ])
     });
+    let rows = rows
+        .zip(&outcome.rows)
+        .map(|(json, row)| match (json, row.published) {
+            (Json::Object(mut members), Some(p)) => {
+                let [wall, _] = summary(&row.times, |t| t.wall);
+                members.extend([
+                    ("coarse_faces".to_owned(), Json::Whole(p.coarse)),
+                    ("published_ms".to_owned(), Json::Number(p.milliseconds)),
+                    (
+                        "times_published".to_owned(),
+                        Json::Exact(wall / p.milliseconds),
+                    ),
+                ]);
+                Json::Object(members)
+            }
+            (json, _) => json,
+        });
     members.push(("repeat".to_owned(), Json::Whole(u64::from(a.repeat))));
     members.push(("rows".to_owned(), Json::List(rows.collect())));
     Json::Object(members)
 }
 
 fn table(job: &Job, a: &Arguments, outcome: &Outcome) -> String {
+    let longest = outcome.rows.iter().map(|r| r.stage.len()).max();
+    let width = longest.unwrap_or(0).max(8);
+    let named = outcome.rows.iter().any(|r| r.published.is_some());
     let mut out = format!(
-        "{} faces, {} micro-triangles, {} threads, {}, best and median of {}\n{:<8}{:>12}{:>12}{:>12}{:>12}{:>12}{:>10}\n",
+        "{} faces, {} micro-triangles, {} threads, {}, best and median of {}\n{:<width$}{:>12}{:>12}{:>12}{:>12}{:>12}{:>10}{}\n",
         outcome.faces,
         outcome.microtriangles,
         job.threads,
@@ -410,15 +475,24 @@ fn table(job: &Job, a: &Arguments, outcome: &Outcome) -> String {
         "median",
         "items",
         "ns/item",
+        if named {
+            "   faces published ms  times"
+        } else {
+            ""
+        },
     );
     for row in &outcome.rows {
         let [wall, cpu] = [
             summary(&row.times, |t| t.wall),
             summary(&row.times, |t| t.cpu),
         ];
+        let published = row.published.map_or_else(String::new, |p| {
+            let (ms, times) = (p.milliseconds, wall[0] / p.milliseconds);
+            format!("{:>8}{ms:>13.3}{times:>7.2}", p.coarse)
+        });
         let _ = writeln!(
             out,
-            "{:<8}{:>12.3}{:>12.3}{:>12.3}{:>12.3}{:>12}{:>10.2}",
+            "{:<width$}{:>12.3}{:>12.3}{:>12.3}{:>12.3}{:>12}{:>10.2}{}",
             row.stage,
             wall[0],
             wall[1],
@@ -426,6 +500,7 @@ fn table(job: &Job, a: &Arguments, outcome: &Outcome) -> String {
             cpu[1],
             row.items,
             row.ns_per_item(),
+            published,
         );
     }
     out

@@ -63,7 +63,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let (topology, topology_warnings) = job.time("connect", |_| a.model.connect(cage));
     let mut warnings: Vec<String> = read.warnings.iter().map(ToString::to_string).collect();
     let name = escape(path.as_os_str().as_encoded_bytes(), 1024);
-    warnings.extend(topology_warnings.iter().map(|w| format!("{name}: {w}")));
+    warnings.extend(job.said(path, &a.model, &read, (&topology, &topology_warnings)));
     let found = find(cage, &topology, &a.model, warnings);
     job.limits().check()?;
     let mut staged = Vec::new();

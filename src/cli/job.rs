@@ -15,6 +15,7 @@ use earmark::mesh::{Cage, obj};
 use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
 use earmark::tessellate::depth_tags;
+use earmark::topology::{Topology, TopologyWarning};
 use earmark::{Scene, SurfaceOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -132,15 +133,17 @@ impl Job {
         loader.options_mut().read.up = flags.file_up();
         for model in models {
             self.limits().check()?;
-            let (cage, name, mut resolver) = self.time("read", |job| {
+            let (read, name, mut resolver) = self.time("read", |job| {
                 let (bytes, name, mut resolver) = job.read_bytes(model, flags)?;
                 if let Some(left) = job.memory_left() {
                     loader.options_mut().read.max_bytes = left;
                 }
                 let read = loader.read(&bytes, &name, resolver.as_mut())?;
-                let cage = suitable(read, &bytes, &name, flags, flags.triangulate)?.cage;
-                Ok::<_, Failure>((cage, name, resolver))
+                let read = suitable(read, &bytes, &name, flags, flags.triangulate)?;
+                Ok::<_, Failure>((read, name, resolver))
             })?;
+            let obj::Read { cage, report, .. } = read;
+            let faces = cage.face_count();
             self.limits().check()?;
             note(&format!(
                 "{name}: {} faces, {} vertices; scheme {}",
@@ -151,8 +154,9 @@ impl Job {
             if let Some(left) = self.memory_left() {
                 loader.options_mut().max_surface = left;
             }
-            self.time("connect", |_| {
-                loader.add_cage(cage, &name, resolver.as_mut())
+            self.time("connect", |job| {
+                let line = |face| job.line_of_face(model, flags, (&report, faces), face);
+                loader.add_cage_of_lines(cage, &name, resolver.as_mut(), &line)
             })?;
         }
         let (mut scene, warnings) = loader.finish();
@@ -223,6 +227,45 @@ impl Job {
             let read = obj::read(&bytes, &name, resolver.as_mut(), &options)?;
             suitable(read, &bytes, &name, flags, any_faces)
         })
+    }
+
+    /// Warnings about a model, with lines where they are about faces.
+    pub(crate) fn said(
+        &self,
+        model: &Path,
+        flags: &ModelFlags,
+        read: &obj::Read,
+        (t, warnings): (&Topology, &[TopologyWarning]),
+    ) -> Vec<String> {
+        let name = obj::escape(model.as_os_str().as_encoded_bytes(), 1024);
+        let of = (&read.report, read.cage.face_count());
+        let place = |w: &TopologyWarning| {
+            w.face(t)
+                .and_then(|face| self.line_of_face(model, flags, of, face))
+        };
+        let said = |w: &TopologyWarning| match place(w) {
+            Some(line) => format!("{name}:{line}: {w}"),
+            None => format!("{name}: {w}"),
+        };
+        warnings.iter().map(said).collect()
+    }
+
+    /// The line of a face of a model that was read with `report` into so many faces. The text is not kept: it is read once more, and where
+    /// that is not possible, or triangles took the place of its faces, there is no line.
+    fn line_of_face(
+        &self,
+        model: &Path,
+        flags: &ModelFlags,
+        (report, faces): (&obj::Report, usize),
+        face: u32,
+    ) -> Option<usize> {
+        if model.as_os_str() == "-" || faces + report.dropped_faces.len() != report.faces {
+            return None;
+        }
+        let (bytes, ..) = self.read_bytes(model, flags).ok()?;
+        // But for a byte-order mark.
+        let same = matches!(bytes.len().checked_sub(report.bytes), Some(0 | 3));
+        same.then(|| obj::line_of_face(&bytes, report, face))?
     }
 
     /// Opens a model.

@@ -2,6 +2,8 @@
 
 mod bench;
 mod bench_evaluate;
+mod bench_paper;
+mod bench_patches;
 mod displace;
 mod exit;
 mod flags;

@@ -91,8 +91,8 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let scheme = a.model.scheme_of(&read.cage);
     let cage = &read.cage;
     let (topology, warnings) = job.time("connect", |_| a.model.connect(cage));
-    for w in &warnings {
-        warning(&format!("{}: {w}", path.display()));
+    for w in job.said(path, &a.model, &read, (&topology, &warnings)) {
+        warning(&w);
     }
     if scheme.is_interpolating() && has_semi_sharp(&topology) {
         let name = scheme_name(scheme);

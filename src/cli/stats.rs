@@ -154,11 +154,15 @@ pub(crate) fn frame_stages(stats: &earmark::frame::FrameStats, cpu: f64) -> Stag
     let sum: f64 = fused.iter().map(|&s| ms(stats.times.get(s))).sum();
     let mut walls = vec![
         (Stage::Flatness, ms(stats.flatness)),
-        (Stage::DepthTags, ms(stats.depth_tags)),
-        (Stage::Patterns, ms(stats.patterns)),
         (Stage::Setup, ms(stats.wall[0])),
         (Stage::Bin, ms(stats.wall[1])),
     ];
+    // Stages that most frames do not have.
+    let rare = [
+        (Stage::DepthTags, ms(stats.depth_tags)),
+        (Stage::Patterns, ms(stats.patterns)),
+    ];
+    walls.extend(rare.into_iter().filter(|&(_, wall)| wall > 0.0));
     walls.extend(fused.map(|stage| {
         let share = ms(stats.times.get(stage)) / sum.max(1e-9);
         (stage, ms(stats.wall[2]) * share)

@@ -19,7 +19,9 @@ use crate::limits::{Budget, LimitError};
 use crate::refine::{self, Level, Timings};
 use crate::topology::{NONE, Topology};
 use cut::{VertexRules, cut_points, cut_values};
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use tables::surroundings;
 
 /// Limit data of the fans of a channel, with the masks they came by.
 #[derive(Clone, Debug)]
@@ -151,22 +153,57 @@ pub(crate) enum Kind {
     Colors,
 }
 
+/// Trees below single faces that are kept.
+const MOST_FURTHER: usize = 32;
+
+/// Trees that go on below single faces, by depth and face, with the face's number in them.
+type FurtherTrees = BTreeMap<(u32, u32), (Arc<ControlTree>, u32)>;
+
+/// Kept for the next place nearby; what is found does not depend on it.
+#[derive(Debug, Default)]
+struct Further(Mutex<FurtherTrees>);
+
+impl Further {
+    fn lock(&self) -> MutexGuard<'_, FurtherTrees> {
+        // Trees are whole or not there, so a panic elsewhere leaves nothing broken behind.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Clone for Further {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 /// All control levels of a surface, made as deep as they are asked for.
 #[derive(Clone, Debug)]
 pub(crate) struct ControlTree {
     options: refine::Options,
     root: ControlLevel,
     deeper: [OnceLock<Option<Box<ControlLevel>>>; MAX_LEVEL as usize],
+    /// Set once evaluation has the levels that it makes for all faces at once.
+    evaluated: OnceLock<()>,
+    further: Further,
 }
 
 impl ControlTree {
     /// The tree over `level`, whose faces are all quads or all triangles. `colors` holds one value per vertex, or nothing.
     pub(crate) fn new(level: Level<f64>, colors: Vec<[f64; 3]>, options: refine::Options) -> Self {
         let owned = vec![true; level.topology.face_count()];
+        Self::of(
+            ControlLevel::new(level, Vec::new(), colors, &owned, &options),
+            options,
+        )
+    }
+
+    fn of(root: ControlLevel, options: refine::Options) -> Self {
         Self {
-            root: ControlLevel::new(level, Vec::new(), colors, &owned, &options),
+            root,
             options,
             deeper: [const { OnceLock::new() }; MAX_LEVEL as usize],
+            evaluated: OnceLock::new(),
+            further: Further::default(),
         }
     }
 
@@ -183,6 +220,7 @@ impl ControlTree {
     /// Moves the points of the first level. The levels below that are there already get theirs by the same connectivity.
     pub(crate) fn update(&mut self, points: Vec<[f64; 3]>) {
         self.root.set_points(points, &self.options);
+        self.further = Further::default();
         for depth in 0..self.deeper.len() {
             let Some(Some(mut below)) = self.deeper[depth].take() else {
                 break;
@@ -225,18 +263,50 @@ impl ControlTree {
                 let (kept, passing) = parent.next_bytes();
                 budget.take("the control faces at fading creases", kept, passing)?;
             }
-            let slot = &self.deeper[depth as usize - 1];
-            if slot.get().is_none() {
-                // When another thread was first, its level is the same.
-                let _ = slot.set(parent.next(&self.options).map(Box::new));
-            }
+            self.make_below(parent, depth);
         }
+        self.end_at(level);
+        Ok(())
+    }
+
+    /// Makes the level at `depth` below `parent`, unless it is there.
+    fn make_below(&self, parent: &ControlLevel, depth: u32) {
+        let slot = &self.deeper[depth as usize - 1];
+        if slot.get().is_none() {
+            // When another thread was first, its level is the same.
+            let _ = slot.set(parent.next(&self.options).map(Box::new));
+        }
+    }
+
+    /// Makes the limits at features where the tree ends at `level`.
+    fn end_at(&self, level: u32) {
         if let Some(last) = self.level(level.min(MAX_LEVEL))
             && last.tips.get().is_none()
         {
             let _ = last.tips.set(last.make_tips(&self.options));
         }
-        Ok(())
+    }
+
+    /// Makes the levels that evaluation has for all faces at once: as many as `bytes` hold. Where these end, it goes on for single faces
+    /// ([`ControlTree::continued`]), with the same bits. The first to call decides.
+    pub(crate) fn ensure_evaluation(&self, bytes: u128) {
+        if self.evaluated.get().is_some() {
+            return;
+        }
+        let mut left = bytes;
+        for depth in 1..=MAX_LEVEL {
+            let Some(parent) = self.level(depth - 1) else {
+                break;
+            };
+            let (kept, passing) = parent.next_bytes();
+            if kept + passing > left {
+                break;
+            }
+            left -= kept;
+            self.make_below(parent, depth);
+        }
+        self.end_at(MAX_LEVEL);
+        let _ = self.evaluated.set(());
     }
 
     fn level(&self, depth: u32) -> Option<&ControlLevel> {
@@ -246,33 +316,30 @@ impl ControlTree {
         }
     }
 
-    /// A tree of face `face` of the level at `depth` alone (as its face 0), where this one ends and the face is still at a feature: a dart,
-    /// to which every step comes half as near.
-    pub(crate) fn continued(&self, depth: u32, face: u32) -> Option<Self> {
+    /// A tree of `levels` levels below face `face` of the level at `depth` alone, and the face's number in it: where this tree ends and
+    /// the face is still at a feature. Faces keep their order, so the bits are those of a tree of all faces.
+    pub(crate) fn continued(&self, depth: u32, face: u32, levels: u32) -> Option<(Arc<Self>, u32)> {
+        let key = (depth, face);
+        if let Some(found) = self.further.lock().get(&key) {
+            return Some(found.clone());
+        }
         let level = &self.level(depth)?.level;
-        let t = &level.topology;
-        if face as usize >= t.face_count() {
+        if face as usize >= level.topology.face_count() {
             return None;
         }
-        let mut corners: Vec<u32> = t.face_halves(face).map(|h| t.vertex(h)).collect();
-        corners.sort_unstable();
-        let around = (0..t.face_count() as u32).filter(|&f| {
-            let mut halves = t.face_halves(f);
-            f != face && halves.any(|h| corners.binary_search(&t.vertex(h)).is_ok())
-        });
-        let faces: Vec<(u32, u32)> = std::iter::once(face)
-            .chain(around)
-            .map(|f| (f, 0))
-            .collect();
-        let owned: Vec<bool> = (0..faces.len()).map(|i| i == 0).collect();
+        let (faces, own) = surroundings(&level.topology, face, 1);
+        let owned: Vec<bool> = faces.iter().map(|&(f, _)| f == face).collect();
         let part = level.part(&faces).level;
-        let tree = Self {
-            root: ControlLevel::new(part, Vec::new(), Vec::new(), &owned, &self.options),
-            options: self.options,
-            deeper: [const { OnceLock::new() }; MAX_LEVEL as usize],
-        };
-        tree.ensure(MAX_LEVEL);
-        Some(tree)
+        let root = ControlLevel::new(part, Vec::new(), Vec::new(), &owned, &self.options);
+        let tree = Arc::new(Self::of(root, self.options));
+        tree.ensure(levels);
+        let found = (tree, own);
+        let mut kept = self.further.lock();
+        if kept.len() >= MOST_FURTHER {
+            kept.clear();
+        }
+        kept.insert(key, found.clone());
+        Some(found)
     }
 
     /// Fans whose positions are the control points after `level` steps; one set for every control level.
@@ -336,8 +403,13 @@ pub(crate) struct TreeChannel<'a> {
 
 impl<'a> TreeChannel<'a> {
     /// The tree that goes on below a face where this one ends; see [`ControlTree::continued`].
-    pub(crate) fn continued(&self, depth: u32, face: u32) -> Option<ControlTree> {
-        self.tree.continued(depth, face)
+    pub(crate) fn continued(
+        &self,
+        depth: u32,
+        face: u32,
+        levels: u32,
+    ) -> Option<(Arc<ControlTree>, u32)> {
+        self.tree.continued(depth, face, levels)
     }
 
     /// What both kinds of views hold.

@@ -8,7 +8,7 @@
 use super::edge::EdgeSamples;
 use super::face::{Channel, DiceFault, FacePatch, Sides};
 use super::fan_points::FanPoints;
-use super::regular::{BlockRange, dice_pieces};
+use super::regular::{BlockRange, dice_sheets};
 use crate::dispatch;
 use crate::records::Grid3;
 use crate::topology::{NONE, Topology};
@@ -50,7 +50,7 @@ impl View<'_> {
     }
 }
 
-/// A point that no piece stands for.
+/// A point that no spline stands for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dot {
     at: [u32; 2],
@@ -96,11 +96,17 @@ impl FacePatch {
         let Some(root) = below.at(0) else { return };
         let feature = |c: usize| root.features[root.whole.vertex(4 * q + c as u32 % 4) as usize];
         let plain: [bool; 4] = std::array::from_fn(|c| !feature(c) && !feature((c + 1) % 4));
-        if self.wanted > Sides::None && plain.contains(&true) {
-            // For the sides; the pieces would be right only away from the features.
-            self.prepare_patch(channel, q);
-            self.pieces.clear();
-            self.hull.clear();
+        if self.wanted > Sides::None {
+            self.sides
+                .iter_mut()
+                .for_each(|s| s.resize(1 << self.level));
+            if plain.contains(&true) {
+                // For the sides; the splines would be right only away from the features.
+                self.prepare_patch(channel, q);
+                (0..4).filter(|&c| plain[c]).for_each(|c| self.keep_side(c));
+                self.sheets.clear();
+                self.hull.clear();
+            }
         }
         self.descend(below, 0, q, [0, 0], self.level, None);
         if self.wanted > Sides::None {
@@ -156,7 +162,7 @@ impl FacePatch {
         if level == 0 {
             return;
         }
-        let (whole, wanted, first) = (self.level, self.wanted, self.pieces.len());
+        let (whole, wanted, first) = (self.level, self.wanted, self.sheets.len());
         self.level = level;
         self.wanted = wanted.min(Sides::None);
         let channel = Channel {
@@ -168,9 +174,7 @@ impl FacePatch {
         };
         self.prepare_patch(channel, q);
         (self.level, self.wanted) = (whole, wanted);
-        for piece in &mut self.pieces[first..] {
-            piece.origin = [piece.origin[0] + place[0], piece.origin[1] + place[1]];
-        }
+        self.sheets[first..].iter_mut().for_each(|s| s.shift(place));
     }
 
     /// Dots at the corners of quad `q`, which are what its own level says however deep the tree goes on.
@@ -227,7 +231,7 @@ impl FacePatch {
         self.owner = Some(helper);
     }
 
-    /// Evaluates what the pieces say along side `c`, in its direction.
+    /// Evaluates what the sheets say along side `c`, in its direction.
     fn sample_line(
         &self,
         c: usize,
@@ -250,16 +254,18 @@ impl FacePatch {
                     [other, run]
                 }
             };
+            let start = place(from, across.min(n - segments));
             let range = BlockRange {
                 shift: 0,
-                start: place(from, across.min(n - segments)),
+                start,
+                end: start[0] + segments,
                 low: place(from, across),
                 high: place(from + segments, across),
             };
             dispatch!(
                 self.simd,
-                dice_pieces(
-                    &self.pieces,
+                dice_sheets(
+                    &self.sheets,
                     self.target,
                     range,
                     points,

@@ -1,17 +1,22 @@
 //! Points and normals along a cage edge, by the edge's own rule: the operands are the rings of its two end vertices and nothing else,
 //! so both faces at the edge get the same bits without talking to each other.
 //!
-//! * Both ends regular: the twelve points around the edge are a B-spline strip; it runs from the lower to the higher vertex number.
-//! * Otherwise each half belongs to its end. At a regular end the half is a B-spline strip of the once-refined ring. At an irregular
-//!   end it is a chain of strips, each half as long as the one before, from the rings of deeper and deeper levels.
+//! * Both ends regular: the twelve points around the edge are a B-spline strip.
+//! * Otherwise each half belongs to its end. At a regular end the half is a strip of the once-refined net. At an irregular end it is a
+//!   chain of strips, each half as long as the one before, from the nets of deeper and deeper levels. The middle is that of the half at the
+//!   lower vertex number.
 //! * On a boundary the points (not the normals) come from the boundary polygon alone, so that all faces of a non-manifold edge agree.
+//!
+//! A face takes the strips from its own nets. Their points have the same bits in the nets of the face beyond, because all rules of
+//! refinement are symmetric in the bits; so is what follows: exchanging left and right, or walking the other way, changes no bit.
 
 use super::basis::{Basis, Target};
+use super::net::Net;
 use super::point::P4;
-use super::regular::{LANES, LINE, Line, unit_cross, weigh3};
-use super::window::{Near, edge_point, face_point, vertex_point};
-use crate::dispatch;
+use super::regular::{LANES, Lanes3, blend, mix3, one_by_one, take, unit_lanes, unit_of, weights};
+use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::simd::Level;
+use std::hint::black_box;
 
 /// Samples along one side of a face: positions and unit normals, component by component, padded by [`LANES`].
 #[derive(Clone, Debug, Default)]
@@ -73,73 +78,326 @@ pub(crate) struct Samples {
     pub(crate) part: SamplePart,
 }
 
-/// A strip of three by four control points along an edge; `l` lies to the left of the direction of travel.
+/// Where a line of samples goes; places count from the line's begin.
+pub(super) trait Put {
+    /// The first `n` of `W` values, at `at` and the places after it.
+    fn put<const W: usize>(&mut self, at: usize, n: usize, values: &Lanes3<W>);
+    fn put_one(&mut self, at: usize, value: [f32; 3]);
+}
+
+/// A row or column of a block.
+pub(super) struct GridLine<'a> {
+    pub(super) grid: &'a mut Grid3,
+    /// Index of the first place, and from one place to the next.
+    pub(super) first: usize,
+    pub(super) step: usize,
+}
+
+impl Put for GridLine<'_> {
+    #[inline(always)]
+    fn put<const W: usize>(&mut self, at: usize, n: usize, values: &Lanes3<W>) {
+        let first = self.first + at * self.step;
+        let Grid3 { x, y, z } = &mut *self.grid;
+        if self.step > 1 {
+            let last = first + (n - 1) * BLOCK_STRIDE;
+            let (x, y, z) = (
+                &mut x[first..=last],
+                &mut y[first..=last],
+                &mut z[first..=last],
+            );
+            for i in 0..n {
+                x[i * BLOCK_STRIDE] = values.0[0][i];
+                y[i * BLOCK_STRIDE] = values.0[1][i];
+                z[i * BLOCK_STRIDE] = values.0[2][i];
+            }
+        } else if n == W {
+            x[first..first + W].copy_from_slice(&values.0[0]);
+            y[first..first + W].copy_from_slice(&values.0[1]);
+            z[first..first + W].copy_from_slice(&values.0[2]);
+        } else {
+            for i in 0..n {
+                one_by_one();
+                x[first + i] = values.0[0][i];
+                y[first + i] = values.0[1][i];
+                z[first + i] = values.0[2][i];
+            }
+        }
+    }
+    #[inline(always)]
+    fn put_one(&mut self, at: usize, value: [f32; 3]) {
+        let k = self.first + at * self.step;
+        (self.grid.x[k], self.grid.y[k], self.grid.z[k]) = (value[0], value[1], value[2]);
+    }
+}
+
+/// A list of points, filled from its end if `reversed`.
+pub(super) struct PointLine<'a> {
+    pub(super) points: &'a mut [[f32; 3]],
+    pub(super) reversed: bool,
+}
+
+impl Put for PointLine<'_> {
+    #[inline(always)]
+    fn put<const W: usize>(&mut self, at: usize, n: usize, values: &Lanes3<W>) {
+        for i in 0..n {
+            self.put_one(at + i, [0, 1, 2].map(|c| values.0[c][i]));
+        }
+    }
+    #[inline(always)]
+    fn put_one(&mut self, at: usize, value: [f32; 3]) {
+        let last = self.points.len() - 1;
+        self.points[if self.reversed { last - at } else { at }] = value;
+    }
+}
+
+/// The part of a side that a block shows, in points of a grid that has every `2^shift`-th point of the face's own.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Strip {
-    pub(crate) l: [P4; 4],
-    pub(crate) c: [P4; 4],
-    pub(crate) r: [P4; 4],
+pub(super) struct SideRange {
+    pub(super) target: Target,
+    pub(super) shift: u32,
+    /// First and last place, and that of the line's begin.
+    pub(super) low: u32,
+    pub(super) high: u32,
+    pub(super) start: u32,
+}
+
+/// Three by four control points along a side of a face, in the direction in which u or v grows; `minus` on the side of the lower v or u.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strip {
+    pub(super) minus: [P4; 4],
+    pub(super) centre: [P4; 4],
+    pub(super) plus: [P4; 4],
+    /// Whether it runs along v.
+    vertical: bool,
+}
+
+/// Where a strip lies on its side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    /// Place of its begin, and segments.
+    pub(super) first: u32,
+    /// Steps of refinement that its points have still to go.
+    pub(super) level: u32,
+    /// First and last place that it shows.
+    pub(super) own: [u32; 2],
 }
 
 impl Strip {
-    /// The same strip walked the other way.
-    pub(crate) fn reversed(&self) -> Self {
-        let turn = |a: [P4; 4]| [a[3], a[2], a[1], a[0]];
+    /// The strip along side `side` of the spline whose net begins at a row and column of `net`.
+    #[inline(always)]
+    pub(super) fn of<const N: usize>(net: &Net<N>, [row, col]: [usize; 2], side: usize) -> Self {
+        // The line of control points that belongs to the side.
+        let middle = if side == 1 || side == 2 { 2 } else { 1 };
+        let mut lines = [[P4::ZERO; 4]; 3];
+        for (k, line) in (middle - 1..).zip(&mut lines) {
+            if side & 1 == 0 {
+                line.copy_from_slice(&net[row + k][col..col + 4]);
+            } else {
+                for (point, net) in line.iter_mut().zip(&net[row..row + 4]) {
+                    *point = net[col + k];
+                }
+            }
+        }
+        let [minus, centre, plus] = lines;
         Self {
-            l: turn(self.r),
-            c: turn(self.c),
-            r: turn(self.l),
+            minus,
+            centre,
+            plus,
+            vertical: side & 1 == 1,
         }
     }
 
-    /// Writes points and normals of the strip's middle line.
-    #[inline(always)]
-    pub(crate) fn sample(&self, to: Samples, out: &mut EdgeSamples) {
-        dispatch!(to.simd, self.sample_kernel(to, out));
-    }
-
-    #[inline(always)]
-    fn sample_kernel(&self, to: Samples, out: &mut EdgeSamples) {
-        let basis = Basis::get(to.target, to.level);
-        let row = self.across(basis.across);
-        let mut line = [[0.0; LINE]; 3];
-        to.runs(|i, n| {
-            weigh3(&basis.point, i, n.next_multiple_of(LANES), &row, &mut line);
-            to.put(&line, &mut out.points, i, n);
-        });
-        if to.normals {
-            self.normals_kernel(to, basis, out);
-        }
+    /// The strip whose begin or end is the middle of side `side`, from the once-refined net, as the half at the end `high` or low says
+    /// it; and whether it is the strip's end.
+    pub(super) fn at_middle(net: &Net<5>, side: usize, high: bool, regular: bool) -> (Self, bool) {
+        let middle = if side == 1 || side == 2 { 3 } else { 1 };
+        // An irregular end has no regular row behind it, and the row at the far end has no weight in the middle.
+        let places = match (high, regular) {
+            (false, true) => [0, 1, 2, 3],
+            (false, false) => [1, 2, 3, 3],
+            (true, true) => [1, 2, 3, 4],
+            (true, false) => [1, 1, 2, 3],
+        };
+        let line = |k: usize| -> [P4; 4] {
+            places.map(|i| match side & 1 {
+                0 => net[k][i],
+                _ => net[i][k],
+            })
+        };
+        let strip = Self {
+            minus: line(middle - 1),
+            centre: line(middle),
+            plus: line(middle + 1),
+            vertical: side & 1 == 1,
+        };
+        (strip, high != regular)
     }
 
     /// The strip's middle line: each centre blended with its neighbours.
     #[inline(always)]
     fn across(&self, [side, centre]: [f32; 2]) -> [P4; 4] {
-        let at = |i: usize| (self.l[i] + self.r[i]) * side + self.c[i] * centre;
-        [at(0), at(1), at(2), at(3)]
+        let mut out = [P4::ZERO; 4];
+        for i in 0..4 {
+            out[i] = (self.minus[i] + self.plus[i]) * side + self.centre[i] * centre;
+        }
+        out
+    }
+
+    /// Differences across, and a normal for points where the tangents are parallel.
+    #[inline(always)]
+    fn slopes(&self) -> ([P4; 4], [f32; 3]) {
+        let mut across = [P4::ZERO; 4];
+        for i in 0..4 {
+            across[i] = self.plus[i] - self.minus[i];
+        }
+        let along = self.centre[2] - self.centre[1];
+        let normal = if self.vertical {
+            (across[1] + across[2]).cross(along)
+        } else {
+            along.cross(across[1] + across[2])
+        };
+        let spare = match normal.unit() {
+            Some(normal) => normal.xyz(),
+            None => [0.0, 0.0, 1.0],
+        };
+        (across, spare)
+    }
+
+    /// Samples that the strip shows, points and normals.
+    #[inline(always)]
+    pub(super) fn sample(
+        &self,
+        span: Span,
+        range: SideRange,
+        points: &mut impl Put,
+        normals: Option<&mut impl Put>,
+    ) {
+        let round = (1 << range.shift) - 1;
+        let low = ((span.own[0] + round) >> range.shift).max(range.low);
+        let high = (span.own[1] >> range.shift).min(range.high);
+        if low > high {
+            return;
+        }
+        let level = span.level.saturating_sub(range.shift);
+        let run = Run {
+            at: (low - range.start) as usize,
+            first: (low - (span.first >> range.shift)) as usize,
+            count: (high - low + 1) as usize,
+        };
+        match run.count {
+            9.. => self.sample_lanes::<16>(run, range.target, level, points, normals),
+            5..=8 => self.sample_lanes::<8>(run, range.target, level, points, normals),
+            3..=4 => self.sample_lanes::<4>(run, range.target, level, points, normals),
+            _ => self.sample_singly(run, range.target, level, points, normals),
+        }
     }
 
     #[inline(always)]
-    fn normals_kernel(&self, to: Samples, basis: &Basis, out: &mut EdgeSamples) {
+    fn sample_lanes<const W: usize>(
+        &self,
+        run: Run,
+        target: Target,
+        level: u32,
+        points: &mut impl Put,
+        normals: Option<&mut impl Put>,
+    ) {
+        let basis = Basis::get(target, level);
+        let row = self.across(basis.across);
+        let mut line = Lanes3::<W>::zeros();
+        for i in (0..run.count).step_by(W) {
+            mix3(&take::<W>(&basis.point, run.first + i), &row, &mut line);
+            points.put(run.at + i, (run.count - i).min(W), &line);
+        }
+        let Some(normals) = normals else { return };
         let along = self.across(Basis::get(Target::Limit, 0).across);
-        let across = [
-            self.l[0] - self.r[0],
-            self.l[1] - self.r[1],
-            self.l[2] - self.r[2],
-            self.l[3] - self.r[3],
-        ];
-        let spare = (self.c[2] - self.c[1])
-            .cross(across[1] + across[2])
-            .unit()
-            .map_or([0.0, 0.0, 1.0], P4::xyz);
-        let (mut du, mut dv, mut unit) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3], [[0.0; LINE]; 3]);
-        to.runs(|i, n| {
-            let lanes = n.next_multiple_of(LANES);
-            weigh3(&basis.slope, i, lanes, &along, &mut du);
-            weigh3(&basis.limit, i, lanes, &across, &mut dv);
-            unit_cross(&du, &dv, lanes, spare, &mut unit);
-            to.put(&unit, &mut out.normals, i, n);
-        });
+        let (across, spare) = self.slopes();
+        let (mut du, mut dv) = (Lanes3::<W>::zeros(), Lanes3::<W>::zeros());
+        let lanes = black_box(W);
+        for i in (0..run.count).step_by(W) {
+            mix3(&take::<W>(&basis.slope, run.first + i), &along, &mut du);
+            mix3(&take::<W>(&basis.limit, run.first + i), &across, &mut dv);
+            if self.vertical {
+                unit_lanes(&dv, &du, lanes, spare, &mut line);
+            } else {
+                unit_lanes(&du, &dv, lanes, spare, &mut line);
+            }
+            normals.put(run.at + i, (run.count - i).min(W), &line);
+        }
+    }
+
+    #[inline(always)]
+    fn sample_singly(
+        &self,
+        run: Run,
+        target: Target,
+        level: u32,
+        points: &mut impl Put,
+        normals: Option<&mut impl Put>,
+    ) {
+        let basis = Basis::get(target, level);
+        let row = self.across(basis.across);
+        for i in 0..run.count {
+            let p = blend(weights(&basis.point, run.first + i), row);
+            points.put_one(run.at + i, [p.0[0], p.0[1], p.0[2]]);
+        }
+        let Some(normals) = normals else { return };
+        for i in 0..run.count {
+            normals.put_one(run.at + i, self.normal(level, run.first + i));
+        }
+    }
+
+    /// Normal at one place of a level.
+    #[inline(always)]
+    fn normal(&self, level: u32, at: usize) -> [f32; 3] {
+        let basis = Basis::get(Target::Limit, level);
+        let along = self.across(Basis::get(Target::Limit, 0).across);
+        let (across, spare) = self.slopes();
+        let du = blend(weights(&basis.slope, at), along).xyz();
+        let dv = blend(weights(&basis.limit, at), across).xyz();
+        if self.vertical {
+            unit_of(dv, du, spare)
+        } else {
+            unit_of(du, dv, spare)
+        }
+    }
+
+    /// Point and normal at the begin of the strip or at its end, which is place `n` of `level`.
+    pub(super) fn end(&self, target: Target, level: u32, end: bool) -> [f32; 3] {
+        let basis = Basis::get(target, level);
+        let at = if end { 1 << level } else { 0 };
+        blend(weights(&basis.point, at), self.across(basis.across)).xyz()
+    }
+
+    pub(super) fn end_normal(&self, level: u32, end: bool) -> [f32; 3] {
+        self.normal(level, if end { 1 << level } else { 0 })
+    }
+}
+
+/// Places of a line, and the first of them on a strip.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    at: usize,
+    first: usize,
+    count: usize,
+}
+
+/// Points of a boundary curve from its own polygon: `p[1]` to `p[2]`, with the neighbours before and after.
+#[inline(always)]
+pub(super) fn sample_polygon(p: &[P4; 4], level: u32, range: SideRange, points: &mut impl Put) {
+    let basis = Basis::get(range.target, level.saturating_sub(range.shift));
+    let count = (range.high - range.low + 1) as usize;
+    let mut line = Lanes3::<16>::zeros();
+    for i in (0..count).step_by(16) {
+        mix3(
+            &take::<16>(&basis.point, range.low as usize + i),
+            p,
+            &mut line,
+        );
+        points.put(
+            (range.low - range.start) as usize + i,
+            (count - i).min(16),
+            &line,
+        );
     }
 }
 
@@ -151,33 +409,6 @@ impl Samples {
             SamplePart::All => (1 << self.level) + 1,
             SamplePart::ButLast => 1 << self.level,
             SamplePart::First => 1,
-        }
-    }
-
-    /// Cuts the samples into runs of at most a line: first sample and number.
-    #[inline(always)]
-    fn runs(&self, mut f: impl FnMut(usize, usize)) {
-        let count = self.count();
-        let mut i = 0;
-        while i < count {
-            f(i, (count - i).min(LINE));
-            i += LINE;
-        }
-    }
-
-    /// Stores a run of samples, `i` being the first.
-    #[inline(always)]
-    fn put(&self, values: &[Line; 3], out: &mut [Vec<f32>; 3], i: usize, n: usize) {
-        for (values, out) in values.iter().zip(out) {
-            let at = self.at + i as i64 * self.step;
-            if self.step > 0 {
-                out[at as usize..at as usize + n].copy_from_slice(&values[..n]);
-            } else {
-                let to = &mut out[at as usize + 1 - n..=at as usize];
-                for (value, out) in values[..n].iter().zip(to.iter_mut().rev()) {
-                    *out = *value;
-                }
-            }
         }
     }
 }
@@ -198,153 +429,5 @@ pub(crate) fn sample_boundary(
         for c in 0..3 {
             out.points[c][(at + i as i64 * step) as usize] = q.0[c];
         }
-    }
-}
-
-/// The three points of a ring that stand across its edge `s`: left, centre and right, with phantoms beyond a boundary.
-fn row(window: &Near, s: i32, left: P4, centre: P4, right: P4) -> [P4; 3] {
-    match (window.has(s), window.has(s - 1)) {
-        (true, true) => [left, centre, right],
-        (true, false) => [left, centre, P4::beyond(centre, left)],
-        (false, _) => [P4::beyond(centre, right), centre, right],
-    }
-}
-
-/// Row through the vertex, across ring edge `s`.
-fn row_at(w: &Near, s: i32) -> [P4; 3] {
-    let side = |present: bool, i: i32| if present { w.e(i) } else { P4::ZERO };
-    row(w, s, side(w.has(s), s + 1), w.v, side(w.has(s - 1), s - 1))
-}
-
-/// Row through the far end of ring edge `s`.
-fn row_ahead(w: &Near, s: i32) -> [P4; 3] {
-    let side = |i: i32| if w.has(i) { w.f(i) } else { P4::ZERO };
-    row(w, s, side(s), w.e(s), side(s - 1))
-}
-
-/// Row behind the vertex, opposite ring edge `s`, of a regular fan.
-fn row_behind(w: &Near, s: i32) -> [P4; 3] {
-    if w.has(s + 1) {
-        // Two sectors on the left side: the edge straight on is s + 2.
-        let right = if w.has(s - 2) && w.has(s - 1) {
-            w.f(s - 2)
-        } else {
-            P4::ZERO
-        };
-        row(w, s, w.f(s + 1), w.e(s + 2), right)
-    } else if w.has(s - 2) {
-        row(w, s, P4::ZERO, w.e(s - 2), w.f(s - 2))
-    } else {
-        // Across the edge lies a boundary: reflect.
-        let (near, far) = (row_at(w, s), row_ahead(w, s));
-        std::array::from_fn(|k| P4::beyond(near[k], far[k]))
-    }
-}
-
-/// Strip of an edge with two regular ends, from the end `a` (ring edge `sa`) to the end `b` (ring edge `sb`).
-pub(crate) fn whole_strip(a: &Near, sa: i32, b: &Near, sb: i32) -> Strip {
-    let (behind, first) = (row_behind(a, sa), row_at(a, sa));
-    let (second, ahead) = (row_at(b, sb), row_behind(b, sb));
-    // Seen from b, left and right are exchanged.
-    strip([
-        behind,
-        first,
-        [second[2], second[1], second[0]],
-        [ahead[2], ahead[1], ahead[0]],
-    ])
-}
-
-fn strip(rows: [[P4; 3]; 4]) -> Strip {
-    Strip {
-        l: std::array::from_fn(|i| rows[i][0]),
-        c: std::array::from_fn(|i| rows[i][1]),
-        r: std::array::from_fn(|i| rows[i][2]),
-    }
-}
-
-/// Row through the far end `b` of ring edge `s` at depth 1, as the half at the other end sees it.
-fn far_row(a: &Near, s: i32, b: &Near, sb: i32) -> [P4; 3] {
-    let far = row_at(b, sb);
-    debug_assert!(a.has(s) == b.has(sb - 1) && a.has(s - 1) == b.has(sb));
-    [far[2], far[1], far[0]]
-}
-
-/// Half at a regular end `a`, whose other end `b` is irregular; both windows at depth 1.
-pub(crate) fn regular_half(
-    a: &Near,
-    s: i32,
-    b: &Near,
-    sb: i32,
-    half: Samples,
-    out: &mut EdgeSamples,
-) {
-    let rows = [
-        row_behind(a, s),
-        row_at(a, s),
-        row_ahead(a, s),
-        far_row(a, s, b, sb),
-    ];
-    strip(rows).sample(
-        Samples {
-            level: half.level - 1,
-            ..half
-        },
-        out,
-    );
-}
-
-/// Half at an irregular end: `rings[d]` is its window at depth `d + 1`, `b` the other end's window at depth 1.
-/// Level and places in `half` are those of the whole edge and of its end at the vertex.
-///
-/// A sample where two strips meet is that of the strip further from the vertex, and does not depend on how many strips follow:
-/// so the samples of a level are among those of the next, bit for bit.
-pub(crate) fn irregular_half(
-    rings: &[Near],
-    s: i32,
-    b: &Near,
-    sb: i32,
-    half: Samples,
-    out: &mut EdgeSamples,
-) {
-    let mut far = far_row(&rings[0], s, b, sb);
-    // The middle is regular, the start of a strip whose last row has no weight there.
-    let (near, mid) = (row_at(&rings[0], s), row_ahead(&rings[0], s));
-    strip([near, mid, far, far]).sample(
-        Samples {
-            level: half.level - 1,
-            at: half.at + half.step * (1_i64 << (half.level - 1)),
-            part: SamplePart::First,
-            ..half
-        },
-        out,
-    );
-    for depth in 1..half.level {
-        let (ring, next) = (&rings[depth as usize - 1], &rings[depth as usize]);
-        let (near, mid) = (row_at(ring, s), row_ahead(ring, s));
-        let cell = |k: usize| face_point(mid[k], mid[k + 1], far[k + 1], far[k]);
-        let inner = |k: usize| face_point(near[k], near[k + 1], mid[k + 1], mid[k]);
-        let (ahead_l, ahead_r) = (cell(0), cell(1));
-        let centre = vertex_point([near, mid, far]);
-        let new_far = [
-            edge_point(mid[0], mid[1], inner(0), ahead_l),
-            centre,
-            edge_point(mid[1], mid[2], inner(1), ahead_r),
-        ];
-        let beyond = [
-            ahead_l,
-            edge_point(mid[1], far[1], ahead_l, ahead_r),
-            ahead_r,
-        ];
-        let start = half.at + half.step * (1_i64 << (half.level - depth - 1));
-        strip([row_at(next, s), row_ahead(next, s), new_far, beyond]).sample(
-            Samples {
-                level: half.level - depth - 1,
-                at: start,
-                part: SamplePart::ButLast,
-                ..half
-            },
-            out,
-        );
-        far = new_far;
     }
 }

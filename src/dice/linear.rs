@@ -4,11 +4,10 @@
 //! B-splines dices this too. Sides are walked from the lower to the higher vertex number; normals are each face's own, for the surface
 //! has creases along all edges.
 
-use super::edge::{EdgeSamples, Strip, sample_boundary};
 use super::face::{Channel, FacePatch, Sides};
-use super::net::{Net, side_strip};
+use super::net::Net;
 use super::point::P4;
-use super::regular::Piece;
+use super::sheet::Sheet;
 
 /// The patch over corners `c` at column `i` and row `j` of its net.
 fn at(c: [P4; 4], i: usize, j: usize) -> P4 {
@@ -42,24 +41,18 @@ impl FacePatch {
             return;
         }
         let net: Net<4> = std::array::from_fn(|j| std::array::from_fn(|i| at(corners, i, j)));
-        self.pieces.push(Piece {
-            net,
-            origin: [0, 0],
-            size: 1 << self.level,
-            level: self.level,
-        });
+        self.sheets.push(Sheet::whole(&net, self.level));
         if self.wanted <= Sides::None {
             return;
         }
-        let n = 1_i64 << self.level;
+        self.whole_net = net;
+        self.whole = 0b1111;
         for c in 0..4 {
-            let strip: Strip = side_strip(&net, c);
-            let forward = self.sample_side(&strip, t, q, c);
-            let (a, b) = (corners[c], corners[(c + 1) % 4]);
-            let out: &mut EdgeSamples = &mut self.sides[c];
-            let (a, b, at, step) = if forward { (a, b, 0, 1) } else { (b, a, n, -1) };
-            let row = [P4::beyond(a, b), a, b, P4::beyond(b, a)];
-            sample_boundary(row, self.target, self.level, out, at, step);
+            let (mut a, mut b) = (corners[c], corners[(c + 1) % 4]);
+            if c > 1 {
+                (a, b) = (b, a);
+            }
+            self.polygons[c] = Some([P4::beyond(a, b), a, b, P4::beyond(b, a)]);
         }
     }
 }

@@ -12,6 +12,8 @@ mod net;
 mod point;
 pub(crate) mod presplit;
 mod regular;
+mod sheet;
+mod sides;
 pub(crate) mod table;
 #[cfg(test)]
 mod tests;

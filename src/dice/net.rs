@@ -1,8 +1,7 @@
 //! Nets of control points around a quad: gathered, filled up beyond boundaries, refined, and turned to a corner's view.
 
-use super::edge::Strip;
 use super::point::{P4, Point};
-use super::window::{Around, Near, Window, edge_point, face_point, vertex_point};
+use super::window::{Around, edge_point, face_point, vertex_point};
 use crate::topology::{FanRule, NONE, Topology};
 
 /// A square of control points, row by row.
@@ -46,6 +45,7 @@ pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
 }
 
 /// Fills the rows and columns beyond the sides that are open; columns first, so that at a corner of two open sides both agree.
+#[inline(always)]
 pub(super) fn fill_phantoms<const N: usize, P: Point>(net: &mut Net<N, P>, open: [bool; 4]) {
     let last = N - 1;
     for row in net.iter_mut() {
@@ -64,27 +64,18 @@ pub(super) fn fill_phantoms<const N: usize, P: Point>(net: &mut Net<N, P>, open:
     }
 }
 
-/// The strip along side `c` of a regular net, in walking direction.
-pub(super) fn side_strip(net: &Net<4>, c: usize) -> Strip {
-    let n = turn(net, c);
-    Strip {
-        l: n[2],
-        c: n[1],
-        r: n[0],
-    }
-}
-
 /// The net seen from corner `c`: its outgoing side becomes the bottom row.
 pub(super) fn turn<const N: usize, P: Point>(net: &Net<N, P>, c: usize) -> Net<N, P> {
     let m = N - 1;
-    std::array::from_fn(|t| {
-        std::array::from_fn(|s| match c {
-            0 => net[t][s],
-            1 => net[s][m - t],
-            2 => net[m - t][m - s],
-            _ => net[m - s][t],
-        })
-    })
+    let from = |f: &dyn Fn(usize, usize) -> P| -> Net<N, P> {
+        std::array::from_fn(|t| std::array::from_fn(|s| f(s, t)))
+    };
+    match c {
+        0 => *net,
+        1 => from(&|s, t| net[s][m - t]),
+        2 => from(&|s, t| net[m - t][m - s]),
+        _ => from(&|s, t| net[m - s][t]),
+    }
 }
 
 /// Inverse of [`turn`].
@@ -102,34 +93,54 @@ pub(super) fn corner_origin(c: usize, [s, t]: [u32; 2], size: u32, n: u32) -> [u
     }
 }
 
-/// What a regular vertex becomes in one step.
-pub(super) fn regular_vertex(w: &Window, rule: FanRule) -> P4 {
-    match rule {
-        FanRule::Corner => w.v,
-        FanRule::Crease => {
-            let (a, b) = if w.has(1) {
-                (w.e(0), w.e(2))
-            } else {
-                (w.e(-1), w.e(1))
-            };
-            w.v * 0.75 + (a + b) * 0.125
-        }
-        FanRule::Smooth => vertex_point([
-            [w.f(1), w.e(1), w.f(0)],
-            [w.e(2), w.v, w.e(0)],
-            [w.f(-2), w.e(-1), w.f(-1)],
-        ]),
-    }
+/// Which sides of quad `q` have no face beyond.
+#[inline(always)]
+pub(super) fn open_sides(t: &Topology, q: u32) -> [bool; 4] {
+    [0, 1, 2, 3].map(|c| t.twin(4 * q + c) == NONE)
 }
 
-/// The 5×5 net after one step around a quad, from the windows of its corners at depth 1. Points beyond irregular corners stay zero.
-pub(super) fn once_refined(w: &[Near; 4], regular: [bool; 4]) -> Net<5> {
-    let mut net = [[P4::ZERO; 5]; 5];
-    for c in 0..4 {
-        put_corner(&mut net, c, &w[c], regular[c]);
+/// The 5×5 net after one step around a quad with net `n`. Of what lies beyond irregular corners only the points that it shares with regular
+/// ones are right, and points beyond open sides are not set.
+pub(super) fn once_refined(n: &Net<4>, open: [bool; 4], rules: [FanRule; 4]) -> Net<5> {
+    let mut out = [[P4::ZERO; 5]; 5];
+    for r in 0..3 {
+        for k in 0..3 {
+            out[2 * r][2 * k] = face_point(n[r][k], n[r][k + 1], n[r + 1][k + 1], n[r + 1][k]);
+        }
     }
-    fill_phantoms(&mut net, std::array::from_fn(|c| !w[c].has(-1)));
-    net
+    for i in 1..3 {
+        for k in 0..3 {
+            let (at, beyond) = (2 * i - 1, if i == 1 { [0, 3] } else { [2, 1] });
+            let (a, b) = (n[i][k], n[i][k + 1]);
+            out[at][2 * k] = match open[beyond[0]] {
+                true => (a + b) * 0.5,
+                false => edge_point(a, b, out[at - 1][2 * k], out[at + 1][2 * k]),
+            };
+            let (a, b) = (n[k][i], n[k + 1][i]);
+            out[2 * k][at] = match open[beyond[1]] {
+                true => (a + b) * 0.5,
+                false => edge_point(a, b, out[2 * k][at - 1], out[2 * k][at + 1]),
+            };
+        }
+    }
+    for (c, (r, k)) in [(1, 1), (1, 2), (2, 2), (2, 1)].into_iter().enumerate() {
+        let v = n[r][k];
+        out[2 * r - 1][2 * k - 1] = match rules[c] {
+            FanRule::Corner => v,
+            FanRule::Crease => {
+                let along = if open[if r == 1 { 0 } else { 2 }] {
+                    n[r][k - 1] + n[r][k + 1]
+                } else {
+                    n[r - 1][k] + n[r + 1][k]
+                };
+                v * 0.75 + along * 0.125
+            }
+            FanRule::Smooth => vertex_point(std::array::from_fn(|i| {
+                std::array::from_fn(|j| n[r + i - 1][k + j - 1])
+            })),
+        };
+    }
+    out
 }
 
 /// Puts what is around corner `c` at depth 1 in its place of the 5×5 net.
@@ -168,18 +179,12 @@ pub(super) fn put_corner<P: Point>(
 }
 
 /// One step of the net around an irregular corner at `node[1][1]`; `w` is the corner's window after the step.
+///
+/// Inlined with all of its parts, so that it is compiled with the vector instructions of whoever calls it.
+#[inline(always)]
 pub(super) fn refine_node<P: Point>(node: &Net<4, P>, w: &impl Around<P>) -> Net<5, P> {
     let n = node;
     let mut out = [[P::ZERO; 5]; 5];
-    let face = |r: usize, c: usize| face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c]);
-    let vertex = |r: usize, c: usize| {
-        vertex_point(std::array::from_fn(|i| {
-            std::array::from_fn(|k| n[r + i - 1][c + k - 1])
-        }))
-    };
-    // Edge points: along a row between columns c and c + 1, along a column between rows r and r + 1.
-    let across = |r: usize, c: usize| edge_point(n[r][c], n[r][c + 1], face(r - 1, c), face(r, c));
-    let along = |r: usize, c: usize| edge_point(n[r][c], n[r + 1][c], face(r, c - 1), face(r, c));
     out[1][1] = w.v();
     out[1][2] = w.e(0);
     out[2][2] = w.f(0);
@@ -193,22 +198,50 @@ pub(super) fn refine_node<P: Point>(node: &Net<4, P>, w: &impl Around<P>) -> Net
         out[0][1] = w.e(-1);
         out[0][2] = w.f(-1);
     }
-    out[1][3] = vertex(1, 2);
-    out[3][3] = vertex(2, 2);
-    out[3][1] = vertex(2, 1);
-    out[2][3] = along(1, 2);
-    out[3][2] = across(2, 1);
-    out[1][4] = across(1, 2);
-    out[3][4] = across(2, 2);
-    out[4][1] = along(2, 1);
-    out[4][3] = along(2, 2);
-    out[2][4] = face(1, 2);
-    out[4][2] = face(2, 1);
-    out[4][4] = face(2, 2);
-    out[0][3] = along(0, 2);
-    out[0][4] = face(0, 2);
-    out[3][0] = across(2, 0);
-    out[4][0] = face(2, 0);
+    out[1][3] = vertex_at(n, 1, 2);
+    out[3][3] = vertex_at(n, 2, 2);
+    out[3][1] = vertex_at(n, 2, 1);
+    out[2][3] = along(n, 1, 2);
+    out[3][2] = across(n, 2, 1);
+    out[1][4] = across(n, 1, 2);
+    out[3][4] = across(n, 2, 2);
+    out[4][1] = along(n, 2, 1);
+    out[4][3] = along(n, 2, 2);
+    out[2][4] = face_at(n, 1, 2);
+    out[4][2] = face_at(n, 2, 1);
+    out[4][4] = face_at(n, 2, 2);
+    out[0][3] = along(n, 0, 2);
+    out[0][4] = face_at(n, 0, 2);
+    out[3][0] = across(n, 2, 0);
+    out[4][0] = face_at(n, 2, 0);
     fill_phantoms(&mut out, [!below, false, false, !left]);
     out
+}
+
+/// The face point between rows `r` and `r + 1` and columns `c` and `c + 1`.
+#[inline(always)]
+pub(super) fn face_at<P: Point>(n: &Net<4, P>, r: usize, c: usize) -> P {
+    face_point(n[r][c], n[r][c + 1], n[r + 1][c + 1], n[r + 1][c])
+}
+
+/// The edge point along row `r` between columns `c` and `c + 1`.
+#[inline(always)]
+fn across<P: Point>(n: &Net<4, P>, r: usize, c: usize) -> P {
+    edge_point(n[r][c], n[r][c + 1], face_at(n, r - 1, c), face_at(n, r, c))
+}
+
+/// The edge point along column `c` between rows `r` and `r + 1`.
+#[inline(always)]
+fn along<P: Point>(n: &Net<4, P>, r: usize, c: usize) -> P {
+    edge_point(n[r][c], n[r + 1][c], face_at(n, r, c - 1), face_at(n, r, c))
+}
+
+#[inline(always)]
+fn vertex_at<P: Point>(n: &Net<4, P>, r: usize, c: usize) -> P {
+    let (low, middle, high) = (&n[r - 1], &n[r], &n[r + 1]);
+    vertex_point([
+        [low[c - 1], low[c], low[c + 1]],
+        [middle[c - 1], middle[c], middle[c + 1]],
+        [high[c - 1], high[c], high[c + 1]],
+    ])
 }

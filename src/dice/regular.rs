@@ -1,33 +1,16 @@
 //! The tensor kernel: a regular patch is a bicubic B-spline, diced row by row with lanes along u.
 //!
-//! A row first blends the four rows of the net into four points, then every lane blends those four. Sums run as
-//! `(w0 p0 + w3 p3) + (w1 p1 + w2 p2)` everywhere.
+//! First the four rows of the net are blended into four points per row of the grid, with lanes along v, then every lane of a row blends
+//! those four. Sums run as `(w0 p0 + w3 p3) + (w1 p1 + w2 p2)` everywhere.
 
 use super::basis::{Basis, Target};
 use super::point::P4;
+use super::sheet::{Quadrant, Sheet};
 use crate::records::{BLOCK_STRIDE, Grid3};
-use std::hint::select_unpredictable;
+use std::hint::{black_box, select_unpredictable};
 
 /// Points in one vector of the kernels.
 pub(crate) const LANES: usize = 16;
-
-/// A bicubic B-spline over a square of a face's grid.
-#[derive(Clone, Debug)]
-pub(crate) struct Piece {
-    /// Control points, row by row; `net[1][1]` belongs to the corner at the origin.
-    pub(crate) net: [[P4; 4]; 4],
-    /// Grid column and row of the origin.
-    pub(crate) origin: [u32; 2],
-    /// Grid segments along each side; 0 for the origin alone.
-    pub(crate) size: u32,
-    /// Refinement steps that its own net has still to go.
-    pub(crate) level: u32,
-}
-
-#[inline(always)]
-fn blend(w: [f32; 4], p: [P4; 4]) -> P4 {
-    (p[0] * w[0] + p[3] * w[3]) + (p[1] * w[1] + p[2] * w[2])
-}
 
 /// Points in a line of the kernels: a row of a block, rounded up to whole vectors.
 pub(crate) const LINE: usize = BLOCK_STRIDE;
@@ -62,9 +45,324 @@ pub(crate) fn weigh3(w: &[Vec<f32>; 4], at: usize, n: usize, q: &[P4; 4], out: &
     weigh(w, at, n, q, 2, z);
 }
 
+/// Three components in lanes, aligned so that no vector crosses a cache line.
+#[repr(align(64))]
+pub(super) struct Lanes3<const W: usize>(pub(super) [[f32; W]; 3]);
+
+impl<const W: usize> Lanes3<W> {
+    #[inline(always)]
+    pub(super) fn zeros() -> Self {
+        Self([[0.0; W]; 3])
+    }
+}
+
+/// Keeps the loop around it scalar. Loops over lanes become vectors; without this the compiler would rather vectorise the loop over rows or
+/// components around them, and gather and scatter.
+#[inline(always)]
+pub(super) fn one_by_one() {
+    black_box(());
+}
+
+/// Four weights for each of `W` lanes.
+pub(super) type Weights<const W: usize> = [[f32; W]; 4];
+
+/// The weights from `at` on.
+#[inline(always)]
+pub(super) fn take<const W: usize>(w: &[Vec<f32>; 4], at: usize) -> Weights<W> {
+    let mut out = [[0.0; W]; 4];
+    for (out, w) in out.iter_mut().zip(w) {
+        out.copy_from_slice(&w[at..at + W]);
+    }
+    out
+}
+
+/// Each lane's blend of four numbers, into the first `W` of `out`.
+#[inline(always)]
+pub(super) fn mix<const W: usize>(w: &Weights<W>, q: [f32; 4], out: &mut [f32]) {
+    let out = &mut out[..W];
+    for i in 0..W {
+        out[i] = (w[0][i] * q[0] + w[3][i] * q[3]) + (w[1][i] * q[1] + w[2][i] * q[2]);
+    }
+}
+
+/// Each lane's blend of four points.
+#[inline(always)]
+pub(super) fn mix3<const W: usize>(w: &Weights<W>, q: &[P4; 4], out: &mut Lanes3<W>) {
+    for c in 0..3 {
+        one_by_one();
+        let q = [q[0].0[c], q[1].0[c], q[2].0[c], q[3].0[c]];
+        mix(w, q, &mut out.0[c]);
+    }
+}
+
+#[inline(always)]
+pub(super) fn blend(w: [f32; 4], p: [P4; 4]) -> P4 {
+    (p[0] * w[0] + p[3] * w[3]) + (p[1] * w[1] + p[2] * w[2])
+}
+
+/// The four weights at one place.
+#[inline(always)]
+pub(super) fn weights(w: &[Vec<f32>; 4], at: usize) -> [f32; 4] {
+    [w[0][at], w[1][at], w[2][at], w[3][at]]
+}
+
+/// The block that sheets are diced into, in points of a grid that has every `2^shift`-th point of the sheets' own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlockRange {
+    /// Levels that the grid is coarser than the sheets'.
+    pub(crate) shift: u32,
+    /// Grid point at which the block begins.
+    pub(crate) start: [u32; 2],
+    /// Last grid column of the block: what is beyond in its rows means nothing and may be written.
+    pub(crate) end: u32,
+    /// First grid point wanted along u and v.
+    pub(crate) low: [u32; 2],
+    /// Last grid point wanted.
+    pub(crate) high: [u32; 2],
+}
+
+/// Dices the parts of all sheets inside a block, the last ones first.
+///
+/// Sheets follow each other from the widest to those next to irregular corners, so where two meet the wider one is seen. Which that is does
+/// not depend on how many follow: the points of a level are among those of the next, bit for bit.
+#[inline(always)]
+pub(crate) fn dice_sheets(
+    sheets: &[Sheet],
+    target: Target,
+    range: BlockRange,
+    points: &mut Grid3,
+    mut normals: Option<&mut Grid3>,
+) {
+    for sheet in sheets.iter().rev() {
+        // Those that are seen where several meet come last.
+        for rank in (0..4).rev() {
+            let q = (rank + sheet.corner) & 3;
+            if !sheet.has(q) {
+                continue;
+            }
+            let quadrant = sheet.quadrant(q);
+            if let Some(area) = Area::of(&quadrant, range) {
+                let basis = Basis::get(target, sheet.level.saturating_sub(range.shift));
+                area.dice(&quadrant, basis, points, normals.as_deref_mut());
+            }
+        }
+    }
+}
+
+/// The part of a block that a quadrant shows.
+///
+/// Whole vectors are written from column `left` to before `right`. Whatever else they hold is also on the quadrant's border, and what is
+/// seen there is diced after it.
+#[derive(Clone, Copy, Debug)]
+struct Area {
+    /// First column and number of columns, of the block.
+    col: usize,
+    cols: usize,
+    row: usize,
+    rows: usize,
+    left: usize,
+    right: usize,
+    /// The block's columns less the quadrant's.
+    offset: isize,
+    /// First row, of the quadrant.
+    first: usize,
+}
+
+impl Area {
+    #[inline(always)]
+    fn of(quadrant: &Quadrant<'_>, range: BlockRange) -> Option<Self> {
+        let size = quadrant.sheet.size >> range.shift;
+        // The corners of a quadrant smaller than a cell of the grid belong to wider ones too.
+        if size == 0 && quadrant.sheet.size > 0 {
+            return None;
+        }
+        let round = (1 << range.shift) - 1;
+        let (mut low, mut high) = (range.low, range.high);
+        for k in 0..2 {
+            low[k] = low[k].max((quadrant.own[0][k] + round) >> range.shift);
+            high[k] = high[k].min(quadrant.own[1][k] >> range.shift);
+        }
+        if low[0] > high[0] || low[1] > high[1] {
+            return None;
+        }
+        let [u, v] = quadrant.origin;
+        let origin = [u >> range.shift, v >> range.shift];
+        let right = if origin[0] + size >= range.end {
+            LINE
+        } else {
+            (origin[0] + size + 1 - range.start[0]) as usize
+        };
+        Some(Self {
+            col: (low[0] - range.start[0]) as usize,
+            cols: (high[0] - low[0] + 1) as usize,
+            row: (low[1] - range.start[1]) as usize,
+            rows: (high[1] - low[1] + 1) as usize,
+            left: origin[0].saturating_sub(range.start[0]) as usize,
+            right,
+            offset: range.start[0] as isize - origin[0] as isize,
+            first: (low[1] - origin[1]) as usize,
+        })
+    }
+
+    #[inline(always)]
+    fn dice(
+        &self,
+        quadrant: &Quadrant<'_>,
+        basis: &Basis,
+        points: &mut Grid3,
+        normals: Option<&mut Grid3>,
+    ) {
+        let net = quadrant.net();
+        let room = self.right - self.left;
+        if self.cols > 8 && room >= 16 {
+            self.dice_lanes::<16>(&net, basis, points, normals);
+        } else if self.cols > 4 && room >= 8 {
+            self.dice_lanes::<8>(&net, basis, points, normals);
+        } else if self.cols > 2 && room >= 4 {
+            self.dice_lanes::<4>(&net, basis, points, normals);
+        } else {
+            self.dice_singly(&net, basis, points, normals);
+        }
+    }
+
+    #[inline(always)]
+    fn dice_lanes<const W: usize>(
+        &self,
+        net: &[[P4; 4]; 4],
+        basis: &Basis,
+        points: &mut Grid3,
+        normals: Option<&mut Grid3>,
+    ) {
+        self.points::<W>(net, basis, points);
+        if let Some(normals) = normals {
+            self.normals::<W>(net, basis, normals);
+        }
+    }
+
+    /// The column from which the vector is written that shows `col`, the first one without it.
+    #[inline(always)]
+    fn vector<const W: usize>(&self, col: Option<usize>) -> Option<usize> {
+        let col = col.unwrap_or((self.col - self.col % W).max(self.left));
+        (col < self.col + self.cols).then(|| col.min(self.right - W))
+    }
+
+    /// Column of the quadrant.
+    #[inline(always)]
+    fn column(&self, col: usize) -> usize {
+        (col as isize + self.offset) as usize
+    }
+
+    #[inline(always)]
+    fn points<const W: usize>(&self, net: &[[P4; 4]; 4], basis: &Basis, out: &mut Grid3) {
+        for row in (0..self.rows).step_by(W) {
+            let q = blend_rows(&take::<W>(&basis.point, self.first + row), net);
+            let rows = (self.rows - row).min(W);
+            let mut next = self.vector::<W>(None);
+            while let Some(col) = next {
+                let w = take::<W>(&basis.point, self.column(col));
+                for j in 0..rows {
+                    one_by_one();
+                    let at = (self.row + row + j) * BLOCK_STRIDE + col;
+                    mix(&w, four(&q, 0, j), &mut out.x[at..]);
+                    mix(&w, four(&q, 1, j), &mut out.y[at..]);
+                    mix(&w, four(&q, 2, j), &mut out.z[at..]);
+                }
+                next = self.vector::<W>(Some(col + W));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn normals<const W: usize>(&self, net: &[[P4; 4]; 4], basis: &Basis, out: &mut Grid3) {
+        let spare = fallback(net);
+        let lanes = black_box(W);
+        let (mut du, mut dv, mut unit) = (
+            Lanes3::<W>::zeros(),
+            Lanes3::<W>::zeros(),
+            Lanes3::<W>::zeros(),
+        );
+        for row in (0..self.rows).step_by(W) {
+            let q = blend_rows(&take::<W>(&basis.limit, self.first + row), net);
+            let r = blend_rows(&take::<W>(&basis.slope, self.first + row), net);
+            let rows = (self.rows - row).min(W);
+            let mut next = self.vector::<W>(None);
+            while let Some(col) = next {
+                let limit = take::<W>(&basis.limit, self.column(col));
+                let slope = take::<W>(&basis.slope, self.column(col));
+                for j in 0..rows {
+                    for c in 0..3 {
+                        one_by_one();
+                        mix(&slope, four(&q, c, j), &mut du.0[c]);
+                        mix(&limit, four(&r, c, j), &mut dv.0[c]);
+                    }
+                    unit_lanes(&du, &dv, lanes, spare, &mut unit);
+                    let at = (self.row + row + j) * BLOCK_STRIDE + col;
+                    out.x[at..at + W].copy_from_slice(&unit.0[0]);
+                    out.y[at..at + W].copy_from_slice(&unit.0[1]);
+                    out.z[at..at + W].copy_from_slice(&unit.0[2]);
+                }
+                next = self.vector::<W>(Some(col + W));
+            }
+        }
+    }
+
+    /// Few points, one by one.
+    #[inline(always)]
+    fn dice_singly(
+        &self,
+        net: &[[P4; 4]; 4],
+        basis: &Basis,
+        points: &mut Grid3,
+        mut normals: Option<&mut Grid3>,
+    ) {
+        for j in 0..self.rows {
+            let q = blend_row(weights(&basis.point, self.first + j), net);
+            for i in self.col..self.col + self.cols {
+                let p = blend(weights(&basis.point, self.column(i)), q);
+                points.set(i, self.row + j, p.xyz());
+            }
+            let Some(normals) = normals.as_deref_mut() else {
+                continue;
+            };
+            let spare = fallback(net);
+            let q = blend_row(weights(&basis.limit, self.first + j), net);
+            let r = blend_row(weights(&basis.slope, self.first + j), net);
+            for i in self.col..self.col + self.cols {
+                let du = blend(weights(&basis.slope, self.column(i)), q);
+                let dv = blend(weights(&basis.limit, self.column(i)), r);
+                normals.set(i, self.row + j, unit_of(du.xyz(), dv.xyz(), spare));
+            }
+        }
+    }
+}
+
+/// Per column of the net and component, the blends by each lane's weights.
+#[inline(always)]
+fn blend_rows<const W: usize>(w: &Weights<W>, net: &[[P4; 4]; 4]) -> [Lanes3<W>; 4] {
+    let mut out = [
+        Lanes3::zeros(),
+        Lanes3::zeros(),
+        Lanes3::zeros(),
+        Lanes3::zeros(),
+    ];
+    for k in 0..4 {
+        for c in 0..3 {
+            one_by_one();
+            let p = [
+                net[0][k].0[c],
+                net[1][k].0[c],
+                net[2][k].0[c],
+                net[3][k].0[c],
+            ];
+            mix(w, p, &mut out[k].0[c]);
+        }
+    }
+    out
+}
+
 /// The four columns of a net, each blended by `w`.
 #[inline(always)]
-fn blend_rows(w: [f32; 4], net: &[[P4; 4]; 4]) -> [P4; 4] {
+fn blend_row(w: [f32; 4], net: &[[P4; 4]; 4]) -> [P4; 4] {
     [
         blend(w, [net[0][0], net[1][0], net[2][0], net[3][0]]),
         blend(w, [net[0][1], net[1][1], net[2][1], net[3][1]]),
@@ -73,137 +371,49 @@ fn blend_rows(w: [f32; 4], net: &[[P4; 4]; 4]) -> [P4; 4] {
     ]
 }
 
-/// The four weights at one place.
+/// Component `c` of the four points of row `j`.
 #[inline(always)]
-fn weights(w: &[Vec<f32>; 4], at: usize) -> [f32; 4] {
-    [w[0][at], w[1][at], w[2][at], w[3][at]]
-}
-
-/// Grid range of a block that a piece covers, in block and piece coordinates.
-struct Overlap {
-    block: usize,
-    piece: usize,
-    count: usize,
-}
-
-/// The grid points `low` to `high` of a piece that lie in the block that begins at `start`.
-fn overlap(origin: u32, size: u32, start: u32, low: u32, high: u32) -> Option<Overlap> {
-    let lo = origin.max(low);
-    let hi = (origin + size).min(high);
-    (lo <= hi).then(|| Overlap {
-        block: (lo - start) as usize,
-        piece: (lo - origin) as usize,
-        count: (hi - lo + 1) as usize,
-    })
-}
-
-/// The block that pieces are diced into, in points of a grid that has every `2^shift`-th point of the pieces' own.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BlockRange {
-    /// Levels that the grid is coarser than the pieces'.
-    pub(crate) shift: u32,
-    /// Grid point at which the block begins.
-    pub(crate) start: [u32; 2],
-    /// First grid point wanted along u and v.
-    pub(crate) low: [u32; 2],
-    /// Last grid point wanted.
-    pub(crate) high: [u32; 2],
-}
-
-/// Dices the parts of all pieces inside a block, the last ones first.
-///
-/// Pieces follow each other from the widest to those next to irregular corners, so where two meet the wider one is seen. Which that is does
-/// not depend on how many follow: the points of a level are among those of the next, bit for bit.
-#[inline(always)]
-pub(crate) fn dice_pieces(
-    pieces: &[Piece],
-    target: Target,
-    range: BlockRange,
-    points: &mut Grid3,
-    mut normals: Option<&mut Grid3>,
-) {
-    for piece in pieces.iter().rev() {
-        dice_piece(piece, target, range, points, normals.as_deref_mut());
-    }
-}
-
-/// Dices the part of `piece` inside the block that starts at grid point `start` and has `segments` segments along each side.
-#[inline(always)]
-fn dice_piece(
-    piece: &Piece,
-    target: Target,
-    range: BlockRange,
-    points: &mut Grid3,
-    normals: Option<&mut Grid3>,
-) {
-    let size = piece.size >> range.shift;
-    let between = (1 << range.shift) - 1;
-    // The corners of a piece smaller than a cell of the grid belong to wider ones too.
-    let skipped = match piece.size {
-        0 => (piece.origin[0] | piece.origin[1]) & between != 0,
-        _ => size == 0,
-    };
-    let along = |k: usize| {
-        let origin = piece.origin[k] >> range.shift;
-        overlap(origin, size, range.start[k], range.low[k], range.high[k])
-    };
-    let (false, Some(cols), Some(rows)) = (skipped, along(0), along(1)) else {
-        return;
-    };
-    let basis = Basis::get(target, piece.level.saturating_sub(range.shift));
-    let n = cols.count.next_multiple_of(LANES);
-    let mut line = [[0.0; LINE]; 3];
-    for j in 0..rows.count {
-        let q = blend_rows(weights(&basis.point, rows.piece + j), &piece.net);
-        weigh3(&basis.point, cols.piece, n, &q, &mut line);
-        put(
-            points,
-            (rows.block + j) * BLOCK_STRIDE + cols.block,
-            cols.count,
-            &line,
-        );
-    }
-    if let Some(normals) = normals {
-        dice_normals(piece, basis, &cols, &rows, normals);
-    }
-}
-
-/// Writes the first `n` points of a line.
-#[inline(always)]
-fn put(grid: &mut Grid3, at: usize, n: usize, line: &[Line; 3]) {
-    grid.x[at..at + n].copy_from_slice(&line[0][..n]);
-    grid.y[at..at + n].copy_from_slice(&line[1][..n]);
-    grid.z[at..at + n].copy_from_slice(&line[2][..n]);
-}
-
-#[inline(always)]
-fn dice_normals(piece: &Piece, basis: &Basis, cols: &Overlap, rows: &Overlap, normals: &mut Grid3) {
-    let spare = fallback(&piece.net);
-    let n = cols.count.next_multiple_of(LANES);
-    let (mut du, mut dv, mut unit) = ([[0.0; LINE]; 3], [[0.0; LINE]; 3], [[0.0; LINE]; 3]);
-    for j in 0..rows.count {
-        let v = rows.piece + j;
-        let q = blend_rows(weights(&basis.limit, v), &piece.net);
-        let r = blend_rows(weights(&basis.slope, v), &piece.net);
-        weigh3(&basis.slope, cols.piece, n, &q, &mut du);
-        weigh3(&basis.limit, cols.piece, n, &r, &mut dv);
-        unit_cross(&du, &dv, n, spare, &mut unit);
-        put(
-            normals,
-            (rows.block + j) * BLOCK_STRIDE + cols.block,
-            cols.count,
-            &unit,
-        );
-    }
+fn four<const W: usize>(q: &[Lanes3<W>; 4], c: usize, j: usize) -> [f32; 4] {
+    [q[0].0[c][j], q[1].0[c][j], q[2].0[c][j], q[3].0[c][j]]
 }
 
 /// A normal for points where the tangents are parallel: that of the patch as a whole.
+#[inline(always)]
 fn fallback(net: &[[P4; 4]; 4]) -> [f32; 3] {
     let n = (net[2][2] - net[1][1]).cross(net[2][1] - net[1][2]);
-    n.unit().map_or([0.0, 0.0, 1.0], P4::xyz)
+    match n.unit() {
+        Some(n) => n.xyz(),
+        None => [0.0, 0.0, 1.0],
+    }
 }
 
-/// Unit cross products along a line; `spare` where there is none.
+/// Unit cross product; `spare` where there is none.
+#[inline(always)]
+pub(super) fn unit_of(a: [f32; 3], b: [f32; 3], spare: [f32; 3]) -> [f32; 3] {
+    // Scale both by their largest component, so that squares stay inside f32 for cages of any size.
+    let ma = a[0].abs().max(a[1].abs()).max(a[2].abs());
+    let mb = b[0].abs().max(b[1].abs()).max(b[2].abs());
+    let (ia, ib) = (
+        1.0 / ma.max(f32::MIN_POSITIVE),
+        1.0 / mb.max(f32::MIN_POSITIVE),
+    );
+    let (ax, ay, az) = (a[0] * ia, a[1] * ia, a[2] * ia);
+    let (bx, by, bz) = (b[0] * ib, b[1] * ib, b[2] * ib);
+    let nx = ay * bz - az * by;
+    let ny = az * bx - ax * bz;
+    let nz = ax * by - ay * bx;
+    let square = (nx * nx + ny * ny) + nz * nz;
+    // Below this the cross product is rounding noise of the two unit-sized factors.
+    let sound = square > 1e-12;
+    let inverse = 1.0 / select_unpredictable(sound, square, 1.0).sqrt();
+    [
+        select_unpredictable(sound, nx * inverse, spare[0]),
+        select_unpredictable(sound, ny * inverse, spare[1]),
+        select_unpredictable(sound, nz * inverse, spare[2]),
+    ]
+}
+
+/// [`unit_of`] along a line of `n` points.
 #[inline(always)]
 pub(crate) fn unit_cross(
     a: &[Line; 3],
@@ -217,64 +427,24 @@ pub(crate) fn unit_cross(
     let [x, y, z] = out;
     let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
     for i in 0..n {
-        // Scale both by their largest component, so that squares stay inside f32 for cages of any size.
-        let ma = a0[i].abs().max(a1[i].abs()).max(a2[i].abs());
-        let mb = b0[i].abs().max(b1[i].abs()).max(b2[i].abs());
-        let (ia, ib) = (
-            1.0 / ma.max(f32::MIN_POSITIVE),
-            1.0 / mb.max(f32::MIN_POSITIVE),
-        );
-        let (ax, ay, az) = (a0[i] * ia, a1[i] * ia, a2[i] * ia);
-        let (bx, by, bz) = (b0[i] * ib, b1[i] * ib, b2[i] * ib);
-        let nx = ay * bz - az * by;
-        let ny = az * bx - ax * bz;
-        let nz = ax * by - ay * bx;
-        let square = (nx * nx + ny * ny) + nz * nz;
-        // Below this the cross product is rounding noise of the two unit-sized factors.
-        let sound = square > 1e-12;
-        let inverse = 1.0 / select_unpredictable(sound, square, 1.0).sqrt();
-        x[i] = select_unpredictable(sound, nx * inverse, spare[0]);
-        y[i] = select_unpredictable(sound, ny * inverse, spare[1]);
-        z[i] = select_unpredictable(sound, nz * inverse, spare[2]);
+        [x[i], y[i], z[i]] = unit_of([a0[i], a1[i], a2[i]], [b0[i], b1[i], b2[i]], spare);
     }
 }
 
-impl Piece {
-    /// Points whose convex hull holds the diced points between the given columns and rows (in units of the piece's size).
-    pub(crate) fn hull(
-        &self,
-        target: Target,
-        u: [f32; 2],
-        v: [f32; 2],
-        out: &mut impl FnMut([f32; 3]),
-    ) {
-        if target == Target::Refined {
-            self.net.iter().flatten().for_each(|p| out(p.xyz()));
-            return;
-        }
-        let along_u: [[P4; 4]; 4] = std::array::from_fn(|r| bezier(self.net[r], u));
-        for c in 0..4 {
-            let column = bezier(
-                [along_u[0][c], along_u[1][c], along_u[2][c], along_u[3][c]],
-                v,
-            );
-            column.iter().for_each(|p| out(p.xyz()));
-        }
+/// [`unit_of`] in lanes; `n` is `W`, but the compiler must not know: see [`weigh`].
+#[inline(always)]
+pub(super) fn unit_lanes<const W: usize>(
+    a: &Lanes3<W>,
+    b: &Lanes3<W>,
+    n: usize,
+    spare: [f32; 3],
+    out: &mut Lanes3<W>,
+) {
+    let (a0, a1, a2) = (&a.0[0][..n], &a.0[1][..n], &a.0[2][..n]);
+    let (b0, b1, b2) = (&b.0[0][..n], &b.0[1][..n], &b.0[2][..n]);
+    let [x, y, z] = &mut out.0;
+    let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
+    for i in 0..n {
+        [x[i], y[i], z[i]] = unit_of([a0[i], a1[i], a2[i]], [b0[i], b1[i], b2[i]], spare);
     }
-}
-
-/// Bézier points over `[a, b]` of the B-spline segment with control points `p`: its blossom at (a,a,a), (a,a,b), (a,b,b), (b,b,b).
-fn bezier(p: [P4; 4], [a, b]: [f32; 2]) -> [P4; 4] {
-    let mix = |p: P4, q: P4, t: f32| p + (q - p) * t;
-    let blossom = |u: f32, v: f32, w: f32| {
-        let q: [P4; 3] = std::array::from_fn(|i| mix(p[i], p[i + 1], (u + 2.0 - i as f32) / 3.0));
-        let r: [P4; 2] = std::array::from_fn(|i| mix(q[i], q[i + 1], (v + 1.0 - i as f32) / 2.0));
-        mix(r[0], r[1], w)
-    };
-    [
-        blossom(a, a, a),
-        blossom(a, a, b),
-        blossom(a, b, b),
-        blossom(b, b, b),
-    ]
 }

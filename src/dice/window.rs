@@ -25,6 +25,8 @@ pub(crate) struct Window {
     /// Whether the fan ends there, so that the outermost edge is a boundary.
     open_left: bool,
     open_right: bool,
+    /// Number of sectors if they are all there and close around the vertex; then they stand from the first place on. Otherwise 0.
+    ring: usize,
 }
 
 impl Window {
@@ -36,13 +38,27 @@ impl Window {
         right: 0,
         open_left: false,
         open_right: false,
+        ring: 0,
     };
 
-    /// Gathers `reach` sectors to either side of half-edge `h`, fewer at a boundary.
+    /// Gathers `reach` sectors to either side of half-edge `h`, fewer at a boundary; or all of a fan of no more.
     pub(crate) fn gather(&mut self, t: &Topology, points: &[[f32; 3]], h: u32, reach: usize) {
         let at = |g: u32| P4::new(points[t.vertex(g) as usize]);
         let reach = reach.min(REACH);
         self.v = at(h);
+        let fan = t.fans()[t.fan(h) as usize];
+        self.ring = 0;
+        if fan.closed && fan.faces as usize <= 2 * reach + 1 {
+            self.ring = fan.faces as usize;
+            let mut g = h;
+            for i in 0..self.ring {
+                let next = t.next(g);
+                self.edges[i] = at(next);
+                self.faces[i] = at(t.next(next));
+                g = t.rotate(g);
+            }
+            return;
+        }
         let mut put = |i: i32, g: u32| {
             let next = t.next(g);
             self.edges[(REACH as i32 + i) as usize] = at(next);
@@ -77,36 +93,26 @@ impl Window {
         (self.left, self.right) = (left, right);
     }
 
-    /// Ring edge `i`; present for `-left ≤ i ≤ right + 1`.
-    #[inline]
-    pub(crate) fn e(&self, i: i32) -> P4 {
-        debug_assert!(
-            -self.left <= i && i <= self.right + 1,
-            "edge {i} outside {}…{}",
-            -self.left,
-            self.right + 1
-        );
-        self.edges[(REACH as i32 + i) as usize]
-    }
-    /// Face corner `i`; present for `-left ≤ i ≤ right`.
-    #[inline]
-    pub(crate) fn f(&self, i: i32) -> P4 {
-        debug_assert!(
-            self.has(i),
-            "sector {i} outside {}…{}",
-            -self.left,
-            self.right
-        );
-        self.faces[(REACH as i32 + i) as usize]
-    }
-    /// Whether sector `i` is in the window.
-    #[inline]
-    pub(crate) fn has(&self, i: i32) -> bool {
-        -self.left <= i && i <= self.right
-    }
-
     /// The sectors next to the own one.
     pub(crate) fn near(&self) -> Near {
+        if self.ring > 0 {
+            let mut near = Near {
+                v: self.v,
+                left: 2,
+                right: 2,
+                ..Near::EMPTY
+            };
+            // From sector −2 on.
+            let mut i = self.ring.saturating_sub(2);
+            for k in 0..6 {
+                near.edges[k] = self.edges[i];
+                if k < 5 {
+                    near.faces[k] = self.faces[i];
+                }
+                i = if i + 1 < self.ring { i + 1 } else { 0 };
+            }
+            return near;
+        }
         let at = REACH - 2;
         let mut near = Near {
             v: self.v,
@@ -122,12 +128,26 @@ impl Window {
     /// Calls `out` with every point of the window.
     pub(crate) fn each(&self, mut out: impl FnMut(P4)) {
         out(self.v);
-        (-self.left..=self.right + 1).for_each(|i| out(self.e(i)));
-        (-self.left..=self.right).for_each(|i| out(self.f(i)));
+        let edges = match self.ring {
+            0 => {
+                let first = (REACH as i32 - self.left) as usize;
+                first..(REACH as i32 + self.right + 2) as usize
+            }
+            n => 0..n,
+        };
+        let faces = match self.ring {
+            0 => edges.start..edges.end - 1,
+            n => 0..n,
+        };
+        self.edges[edges].iter().for_each(|&p| out(p));
+        self.faces[faces].iter().for_each(|&p| out(p));
     }
 
     /// One step of refinement; `v` is what the vertex becomes.
     pub(crate) fn step(&mut self, v: P4) {
+        if self.ring > 0 {
+            return self.step_ring(v);
+        }
         let o = REACH as i32;
         for i in -self.left..=self.right {
             let k = (o + i) as usize;
@@ -148,6 +168,22 @@ impl Window {
             self.edges[k] = (self.v + self.edges[k]) * 0.5;
         } else {
             self.right -= 1;
+        }
+        self.v = v;
+    }
+
+    fn step_ring(&mut self, v: P4) {
+        let n = self.ring;
+        let (edges, faces) = (&mut self.edges[..n], &mut self.faces[..n]);
+        let first = edges[0];
+        for i in 0..n {
+            let after = if i + 1 < n { edges[i + 1] } else { first };
+            faces[i] = face_point(self.v, edges[i], faces[i], after);
+        }
+        let mut before = faces[n - 1];
+        for i in 0..n {
+            edges[i] = edge_point(self.v, edges[i], before, faces[i]);
+            before = faces[i];
         }
         self.v = v;
     }

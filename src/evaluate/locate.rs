@@ -7,6 +7,10 @@ use crate::dice::MAX_LEVEL;
 use crate::dice::evaluate::Jet;
 use crate::surface::Surface;
 
+/// Bytes of control levels that are made for all faces at once, and looked up from then on. It is a tenth of a second that the first
+/// evaluation takes; what is deeper is made for the face of a place alone, in about a millisecond.
+const WHOLE_BYTES: u128 = 16 << 20;
+
 /// A place in a mesh of quads or triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct Local {
@@ -26,15 +30,21 @@ pub(super) struct Source<'a, P: Patches> {
     pub(super) root: P::Channel<'a>,
     pub(super) below: Option<TreeChannel<'a>>,
     is_points: bool,
+    /// Depth of the root among the control levels of the surface: not 0 where a tree goes on below a single face.
+    depth: u32,
+    /// The corner of the surface's face that the place is.
+    tip: Option<Tip>,
 }
 
 impl<'a, P: Patches> Source<'a, P> {
     pub(super) fn new(surface: &'a Surface, kind: Kind) -> Option<Self> {
-        surface.ensure(MAX_LEVEL);
+        surface.ensure_evaluation(WHOLE_BYTES);
         Some(Self {
             root: P::channel(surface, kind)?,
             below: surface.below(kind, MAX_LEVEL, None),
             is_points: kind == Kind::Points,
+            depth: 0,
+            tip: None,
         })
     }
 
@@ -53,7 +63,9 @@ impl<'a, P: Patches> Source<'a, P> {
         let Some(below) = &self.below else {
             return then(self.root, at, None);
         };
-        match P::leaf(below, at) {
+        // A tree that begins where all levels end begins anew.
+        let whole = self.depth == 0 || self.depth == MAX_LEVEL;
+        match P::leaf(below, at, whole) {
             None => then(self.root, at, None),
             Some(leaf) => {
                 let mut local = Local {
@@ -68,24 +80,53 @@ impl<'a, P: Patches> Source<'a, P> {
                     turned: at.turned,
                     scale: at.scale * leaf.scale,
                 };
-                if leaf.open
-                    && leaf.tip.is_none()
-                    && leaf.value.is_none()
-                    && let Some(tree) = below.continued(leaf.depth, leaf.quad)
-                {
-                    (local.face, local.depth) = (0, PASSING);
-                    return self.further(&tree, local, then);
-                }
-                let (position, normal) = match (self.is_points, leaf.tip, leaf.value) {
-                    (true, Some(c), _) => P::corner(self.root, at.face, c),
-                    (false, _, Some(value)) => (value, [0.0; 3]),
-                    _ => return then(leaf.channel, local, None),
+                let tip = match leaf.tip {
+                    Some(c) => {
+                        let (position, normal) = P::corner(self.root, at.face, c);
+                        Some(Tip { position, normal })
+                    }
+                    None => self.tip,
                 };
-                let tip = Some(Tip { position, normal });
+                let depth = (self.depth + leaf.depth).min(MAX_LEVEL);
+                let ends = depth == MAX_LEVEL && (tip.is_some() || leaf.value.is_some());
+                if leaf.open && !ends {
+                    // Beyond the last level darts alone go on, to which every step comes half as near.
+                    let levels = if depth < MAX_LEVEL {
+                        MAX_LEVEL - depth
+                    } else {
+                        MAX_LEVEL
+                    };
+                    if let Some((tree, own)) = below.continued(leaf.depth, leaf.quad, levels) {
+                        (local.face, local.depth) = (own, PASSING);
+                        let further = Further {
+                            tree: &tree,
+                            depth,
+                            levels,
+                            tip,
+                        };
+                        return self.further(further, local, then);
+                    }
+                }
+                let tip = match (self.is_points, leaf.value) {
+                    (true, _) => tip,
+                    (false, Some(position)) => Some(Tip {
+                        position,
+                        normal: [0.0; 3],
+                    }),
+                    (false, None) => None,
+                };
                 then(leaf.channel, local, tip)
             }
         }
     }
+}
+
+/// A tree that goes on where another ends.
+struct Further<'a> {
+    tree: &'a ControlTree,
+    depth: u32,
+    levels: u32,
+    tip: Option<Tip>,
 }
 
 /// Depth of places in faces that are made for one evaluation, and are not kept.
@@ -97,7 +138,7 @@ impl<P: Patches> Source<'_, P> {
     #[inline(never)]
     fn further<R>(
         &self,
-        tree: &ControlTree,
+        further: Further<'_>,
         at: Local,
         then: impl FnOnce(P::Channel<'_>, Local, Option<Tip>) -> R,
     ) -> R {
@@ -106,13 +147,15 @@ impl<P: Patches> Source<'_, P> {
         } else {
             Kind::Uvs
         };
-        let below = tree.channel(kind, MAX_LEVEL, None);
+        let below = further.tree.channel(kind, further.levels, None);
         match P::root(&below) {
             Some(root) => {
                 let source = Source::<P> {
                     root,
                     below: Some(below),
                     is_points: self.is_points,
+                    depth: further.depth,
+                    tip: further.tip.filter(|_| further.depth < MAX_LEVEL),
                 };
                 source.patch(at, then)
             }

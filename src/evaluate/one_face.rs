@@ -12,8 +12,9 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(super) struct OneFace<'a, P: Patches> {
-    /// Whether the first prepared face is the face, and a patch.
+    /// Whether the first prepared face is the face, a patch, and prepared.
     whole: bool,
+    ready: bool,
     first: u32,
     patches: P,
     pub(super) face: u32,
@@ -37,16 +38,14 @@ struct Uvs<'a, P: Patches> {
 impl<'a, P: Patches> OneFace<'a, P> {
     /// Face `face` of the cage; `first` is the first face prepared for it.
     pub(super) fn new(surface: &'a Surface, face: u32, first: u32) -> Option<Self> {
-        let source = Source::<P>::new(surface, Kind::Points)?;
-        let mut patches = P::default();
-        patches.prepare(source.root, first);
         Some(Self {
-            whole: !source.is_refined(first) && !surface.is_split(),
+            whole: false,
+            ready: false,
             first,
-            patches,
+            patches: P::default(),
             face,
             surface,
-            source,
+            source: Source::<P>::new(surface, Kind::Points)?,
             others: BTreeMap::new(),
             uv: None,
         })
@@ -72,6 +71,11 @@ impl<'a, P: Patches> OneFace<'a, P> {
     }
 
     fn local<S: Evaluated>(&mut self, local: Local) -> S {
+        if !self.ready {
+            self.patches.prepare(self.source.root, self.first);
+            self.ready = true;
+            self.whole = !self.source.is_refined(self.first) && !self.surface.is_split();
+        }
         let (first, own, others) = (self.first, &mut self.patches, &mut self.others);
         self.source.patch(local, |channel, at, tip| {
             let mut passing;
@@ -122,18 +126,18 @@ impl<'a, P: Patches> OneFace<'a, P> {
                 }
                 continue;
             }
+            // A grid visits every piece but once: they are made in memory that grids of other faces use too.
             let channel = self.source.root;
-            let asked = Asked {
-                patches: if k == 0 {
-                    &mut self.patches
-                } else {
-                    other(&mut self.others, channel, (0, face))
-                },
-                channel,
-                at: Local::whole(face, 0.0, 0.0),
-                tip: None,
-            };
-            S::grid(asked, n, out);
+            P::with_own(|patches| {
+                patches.prepare(channel, face);
+                let asked = Asked {
+                    patches,
+                    channel,
+                    at: Local::whole(face, 0.0, 0.0),
+                    tip: None,
+                };
+                S::grid(asked, n, out);
+            });
         }
         Ok(())
     }

@@ -76,7 +76,12 @@ pub trait Patches: Clone + std::fmt::Debug + Default {
     fn root<'a>(below: &'a TreeChannel<'_>) -> Option<Self::Channel<'a>>;
     /// Whether a face has deeper control levels.
     fn is_refined(below: &TreeChannel<'_>, face: u32) -> bool;
-    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local) -> Option<Leaf<Self::Channel<'a>>>;
+    /// The patch at a place. `whole` where the face is one of the surface, and not a part of one that a tree begins with.
+    fn leaf<'a>(
+        below: &'a TreeChannel<'_>,
+        at: Local,
+        whole: bool,
+    ) -> Option<Leaf<Self::Channel<'a>>>;
 
     /// Whether a parameter is on a face that is prepared.
     fn holds(u: f32, v: f32) -> bool;
@@ -94,6 +99,8 @@ pub trait Patches: Clone + std::fmt::Debug + Default {
 
     fn prepare(&mut self, channel: Self::Channel<'_>, face: u32);
     fn at<const ORDER: u32>(&mut self, channel: Self::Channel<'_>, u: f32, v: f32) -> Place;
+    /// A face at one place, without preparing it, where there is such a way. The bits are those of [`Patches::at`].
+    fn at_once<const ORDER: u32>(channel: Self::Channel<'_>, at: Local) -> Option<Jet>;
     /// Evaluates a grid of `n` segments row by row; `convert` writes a row's samples.
     fn rows<const ORDER: u32, S>(
         &mut self,
@@ -145,8 +152,8 @@ impl Patches for QuadEvaluator {
         Descend::at(below, 0).is_some_and(|root| root.first_child(face).is_some())
     }
     #[inline(always)]
-    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local) -> Option<Leaf<Channel<'a>>> {
-        evaluate::leaf(below as &dyn Descend, at.face, at.u, at.v)
+    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local, whole: bool) -> Option<Leaf<Channel<'a>>> {
+        evaluate::leaf(below as &dyn Descend, at.face, at.u, at.v, whole)
     }
 
     #[inline(always)]
@@ -187,6 +194,10 @@ impl Patches for QuadEvaluator {
         self.at::<ORDER>(channel, u, v)
     }
     #[inline(always)]
+    fn at_once<const ORDER: u32>(channel: Channel<'_>, at: Local) -> Option<Jet> {
+        evaluate::at_once::<ORDER>(channel, at.face, at.u, at.v)
+    }
+    #[inline(always)]
     fn rows<const ORDER: u32, S>(
         &mut self,
         channel: Channel<'_>,
@@ -194,11 +205,12 @@ impl Patches for QuadEvaluator {
         out: &mut [S],
         convert: impl Fn(&Row, &mut [S]),
     ) {
-        let mut row = Row::new(n);
-        for (j, out) in (0..=n).zip(out.chunks_exact_mut(n as usize + 1)) {
-            self.grid_row::<ORDER>(channel, j as f32 / n as f32, &mut row);
-            convert(&row, out);
-        }
+        let mut rows = out.chunks_exact_mut(n as usize + 1);
+        self.grid::<ORDER>(channel, n, |row| {
+            if let Some(out) = rows.next() {
+                convert(row, out);
+            }
+        });
     }
 
     fn with_own<R>(then: impl FnOnce(&mut Self) -> R) -> R {
@@ -239,8 +251,12 @@ impl Patches for TriangleEvaluator {
         DescendTriangles::at(below, 0).is_some_and(|root| root.first_child(face).is_some())
     }
     #[inline(always)]
-    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local) -> Option<Leaf<TriangleChannel<'a>>> {
-        leaf(below, at.face, at.u, at.v)
+    fn leaf<'a>(
+        below: &'a TreeChannel<'_>,
+        at: Local,
+        whole: bool,
+    ) -> Option<Leaf<TriangleChannel<'a>>> {
+        leaf(below, at.face, at.u, at.v, whole)
     }
 
     #[inline(always)]
@@ -281,6 +297,10 @@ impl Patches for TriangleEvaluator {
     #[inline(always)]
     fn at<const ORDER: u32>(&mut self, channel: TriangleChannel<'_>, u: f32, v: f32) -> Place {
         self.at::<ORDER>(channel, u, v)
+    }
+    #[inline(always)]
+    fn at_once<const ORDER: u32>(_: TriangleChannel<'_>, _: Local) -> Option<Jet> {
+        None
     }
     #[inline(always)]
     fn rows<const ORDER: u32, S>(

@@ -68,6 +68,8 @@ pub(super) mod sealed {
         /// What it holds of a sample.
         fn of_sample(sample: super::Sample) -> Self;
         fn evaluate<P: Patches>(asked: Asked<'_, '_, P>) -> Self;
+        /// The same without preparing the face, where there is such a way.
+        fn at_once<P: Patches>(channel: P::Channel<'_>, at: Local) -> Option<Self>;
         /// The grid of `n` segments of the face; the place of `asked` says which face alone.
         fn grid<P: Patches>(asked: Asked<'_, '_, P>, n: u32, out: &mut [Self]);
     }
@@ -95,6 +97,11 @@ impl sealed::Kind for [f32; 3] {
             None => asked.jet::<0>().position.xyz(),
         }
     }
+    #[inline(always)]
+    fn at_once<P: Patches>(channel: P::Channel<'_>, at: Local) -> Option<Self> {
+        let jet = P::at_once::<0>(channel, at)?;
+        Some(jet.position.xyz())
+    }
     fn grid<P: Patches>(asked: Asked<'_, '_, P>, n: u32, out: &mut [Self]) {
         (asked.patches).rows::<0, _>(asked.channel, n, out, |row, out| {
             row.tangents(out, |[position, ..]| position);
@@ -118,6 +125,11 @@ impl sealed::Kind for Tangents {
             out.position = tip.position;
         }
         out
+    }
+    #[inline(always)]
+    fn at_once<P: Patches>(channel: P::Channel<'_>, at: Local) -> Option<Self> {
+        let jet = P::at_once::<1>(channel, at)?;
+        Some(Self::of(at.outer::<1>(jet)))
     }
     fn grid<P: Patches>(asked: Asked<'_, '_, P>, n: u32, out: &mut [Self]) {
         (asked.patches).rows::<1, _>(asked.channel, n, out, |row, out| {
@@ -146,6 +158,12 @@ impl sealed::Kind for Sample {
             out.second = None;
         }
         out
+    }
+    #[inline(always)]
+    fn at_once<P: Patches>(channel: P::Channel<'_>, at: Local) -> Option<Self> {
+        let jet = P::at_once::<2>(channel, at)?;
+        let sample = Self::quick(Found::Smooth(at.outer::<2>(jet)));
+        (sample.normal != [0.0; 3]).then_some(sample)
     }
     fn grid<P: Patches>(asked: Asked<'_, '_, P>, n: u32, out: &mut [Self]) {
         let Asked {

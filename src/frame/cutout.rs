@@ -2,7 +2,7 @@
 //! visibility, so it does not depend on the order of drawing.
 
 use super::Frame;
-use super::spot::{Spot, draw};
+use super::spot::{Listed, Quad, Spot, draw};
 use super::tile::Scratch;
 use crate::raster::{Cell, Key, Tile};
 use crate::records::SampleId;
@@ -52,10 +52,12 @@ pub(super) fn draw_cutout(
                 for key in layers.cell(x, y, sample).0 {
                     let Some(id) = key.id() else { break };
                     let at = [x0 + x, y0 + y, sample];
-                    let spot = Spot::of(&s.projected, list, id, at, samples);
-                    let at = |g: &[f32]| spot.mix(g);
-                    let (u, v) = (at(&s.attributes.uvs.x), at(&s.attributes.uvs.y));
-                    if map.opacity(u, v, map.lod(at(&s.footprint))) >= 0.5 {
+                    let mix = |g: &[f32]| match list {
+                        None => Quad::new(&s.projected, id, at, samples).mix(g),
+                        Some(list) => Listed::new(&s.projected, list, id, at, samples).mix(g),
+                    };
+                    let (u, v) = (mix(&s.attributes.uvs.x), mix(&s.attributes.uvs.y));
+                    if map.opacity(u, v, map.lod(mix(&s.footprint))) >= 0.5 {
                         s.tile.merge(x, y, sample, key);
                         break;
                     }

@@ -1,4 +1,4 @@
-//! How far what is drawn is from the limit surface on the screen: the drawn triangles against the surface at the same parameters. Tests and
+//! How far what is drawn is from the limit surface, or from its patches, on the screen: the drawn triangles against the surface at the same parameters. Tests and
 //! benchmarks hold adaptive tessellation against this, on the very blocks that pictures are made of.
 
 use super::source::{Attributes, Source, SourceScratch};
@@ -6,6 +6,7 @@ use super::{Frame, RenderError, Renderer, Scene};
 use crate::camera::View;
 use crate::evaluate::Sample;
 use crate::math;
+use crate::patch::PatchKind;
 use crate::records::Grid3;
 use crate::surface::Surface;
 use rayon::prelude::*;
@@ -54,6 +55,20 @@ impl Renderer {
         view: &View,
         steps: u32,
     ) -> Result<Deviation, RenderError> {
+        self.deviation_of(scene, view, steps, 1)
+    }
+
+    /// The same of every `every`-th quad alone.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_view`].
+    pub fn deviation_of(
+        &self,
+        scene: &Scene,
+        view: &View,
+        steps: u32,
+        every: u32,
+    ) -> Result<Deviation, RenderError> {
         let cap = match self.refinement {
             super::Refinement::Adaptive(f) => f.max_level,
             _ => u32::MAX,
@@ -66,12 +81,71 @@ impl Renderer {
                     points: Grid3::boxed(),
                     attributes: Attributes::default(),
                 },
-                |worker, item| worker.item(frame, item, steps, cap),
+                |worker, item| worker.item(frame, item, steps, [cap, every]),
             );
             let all: Vec<Deviation> = all.collect();
             let mut sum = Deviation::default();
             all.iter().for_each(|d| sum.add(d));
             Ok(sum)
+        })
+    }
+}
+
+/// A block as it is drawn.
+#[derive(Clone, Debug, Default)]
+pub struct DrawnBlock {
+    /// Object of the scene, and quad of its surface.
+    pub quad: (u32, u32),
+    /// Level of its points.
+    pub level: u32,
+    /// Points in a row.
+    pub columns: usize,
+    /// Parameters of its points in the quad, row by row.
+    pub places: Vec<[f32; 2]>,
+    /// The points.
+    pub points: Vec<[f32; 3]>,
+}
+
+impl DrawnBlock {
+    /// Micro-triangles of three different points, as numbers of theirs.
+    pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
+        let n = self.columns;
+        let quads = (0..self.points.len() - n).filter(move |k| k % n != n - 1);
+        let halves = quads.flat_map(move |k| [[k, k + 1, k + n + 1], [k, k + n + 1, k + n]]);
+        let differ = |a: usize, b: usize| self.places[a] != self.places[b];
+        halves.filter(move |&[a, b, c]| differ(a, b) && differ(b, c) && differ(c, a))
+    }
+}
+
+impl Renderer {
+    /// The blocks that a picture of `scene` is made of.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_view`].
+    pub fn drawn_blocks(&self, scene: &Scene, view: &View) -> Result<Vec<DrawnBlock>, RenderError> {
+        self.with_frame(scene, view, |frame, _| {
+            let (mut scratch, mut grid) = (SourceScratch::new(frame.simd), Grid3::boxed());
+            let mut out = Vec::new();
+            for (object, source) in frame.sources.iter().enumerate() {
+                for item in (0..source.item_count()).filter(|&i| source.is_drawn(i)) {
+                    let [nu, nv] = source.blocks(item);
+                    let all = (0..nu * nv).map(|b| [b % nu, b / nu]);
+                    for block in all.filter(|&b| source.has_block(b)) {
+                        source.dice(&mut scratch, item, block, &mut grid, None);
+                        let size = source.block_size(item);
+                        let (quad, places) = source.places(item, block);
+                        let at = |k: usize| grid.get(k % size.cols, k / size.cols);
+                        out.push(DrawnBlock {
+                            quad: (object as u32, quad),
+                            level: source.level(item),
+                            columns: size.cols,
+                            points: (0..places.len()).map(at).collect(),
+                            places,
+                        });
+                    }
+                }
+            }
+            Ok(out)
         })
     }
 }
@@ -83,7 +157,13 @@ struct Worker {
 }
 
 impl Worker {
-    fn item(&mut self, frame: &Frame<'_>, item: u32, steps: u32, cap: u32) -> Deviation {
+    fn item(
+        &mut self,
+        frame: &Frame<'_>,
+        item: u32,
+        steps: u32,
+        [cap, every]: [u32; 2],
+    ) -> Deviation {
         let mut out = Deviation::default();
         let source = frame.source_of(item);
         let local = item - source.first_item;
@@ -93,6 +173,9 @@ impl Worker {
         let capped = source.level(local) >= cap;
         let [nu, nv] = source.blocks(local);
         for block in (0..nu * nv).map(|b| [b % nu, b / nu]) {
+            if !source.places(local, block).0.is_multiple_of(every) {
+                continue;
+            }
             let a = Some(&mut self.attributes);
             source.dice(&mut self.scratch, local, block, &mut self.points, a);
             let size = source.block_size(local);
@@ -102,7 +185,16 @@ impl Worker {
             let Some(mut evaluator) = surface.face_evaluator(surface.cage_face(quad)) else {
                 continue;
             };
+            let patch = &self.scratch.patch;
             let mut limit = |u: f32, v: f32| {
+                if surface.patch_kind() != PatchKind::None {
+                    let (position, normal) = patch.patch_at(u, v);
+                    return Some(Sample {
+                        position,
+                        normal,
+                        ..Sample::default()
+                    });
+                }
                 let [u, v] = cage_place(surface, quad, [u, v]);
                 evaluator.at_as::<Sample>(u, v)
             };
@@ -152,7 +244,11 @@ fn cage_place(surface: &Surface, quad: u32, [u, v]: [f32; 2]) -> [f32; 2] {
         (4, 1) => [1.0 - 0.5 * v, 0.5 * u],
         (4, 2) => [1.0 - 0.5 * u, 1.0 - 0.5 * v],
         (4, _) => [0.5 * v, 1.0 - 0.5 * u],
-        _ => [corner as f32 + u, v],
+        // The end of a quad is the beginning of the next one, which runs elsewhere.
+        _ => [
+            (corner as f32 + u).min((corner as f32 + 1.0).next_down()),
+            v,
+        ],
     }
 }
 

@@ -90,6 +90,9 @@ pub struct Renderer {
     pub measure: bool,
     /// Budgets.
     pub limits: Limits,
+    /// The view that decides where triangles are, if not the one that is drawn: to see what a change of triangles alone does.
+    #[doc(hidden)]
+    pub decided_by: Option<View>,
     scratch: ScratchPool,
     patterns: Pool,
 }
@@ -212,7 +215,7 @@ fn bin_bytes(boxes: &[Option<PixelBox>], grid: &TileGrid, side: u32) -> u128 {
 }
 
 impl Renderer {
-    /// A renderer with the defaults of the command line: 4 samples, limit surface, lit, transparent background.
+    /// A renderer with the defaults of the command line: 4 samples, limit surface within half a pixel, lit, transparent background.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         Self {
@@ -221,13 +224,14 @@ impl Renderer {
                 height,
                 samples: 4,
             },
-            refinement: Refinement::ByEdgeLength { max_level: 8 },
+            refinement: Refinement::Adaptive(Flatness::default()),
             drawing: Drawing::Limit,
             mode: ShadeMode::Lit,
             background: [0; 4],
             simd: SimdLevel::detect(),
             measure: false,
             limits: Limits::default(),
+            decided_by: None,
             scratch: ScratchPool::default(),
             patterns: Pool::default(),
         }
@@ -280,7 +284,8 @@ impl Renderer {
         let mut levels = self.levels(scene, view)?;
         let begin = Instant::now();
         let mut budget = Budget::new(&self.limits);
-        let tessellations = self.tessellations(scene, view, &mut levels, &mut budget)?;
+        let decided_by = self.decided_by.as_ref().unwrap_or(view);
+        let tessellations = self.tessellations(scene, decided_by, &mut levels, &mut budget)?;
         let spent = begin.elapsed();
         let patterns = tessellations.iter().flatten().map(|t| t.pattern_time);
         let patterns = patterns.sum::<Duration>();
@@ -428,7 +433,8 @@ impl Renderer {
                         max_level: flatness.max_level.saturating_sub(split),
                         ..flatness
                     };
-                    flatness::tessellate(surface, view, &wanted, limits, budget, is_drawn)?
+                    let (simd, seen) = (self.simd, (view, &wanted));
+                    flatness::tessellate(surface, seen, simd, limits, budget, is_drawn)?
                 }
                 Refinement::DepthTags(wanted) => {
                     let tags = object.tags(view, &wanted);

@@ -18,7 +18,7 @@ use std::time::Duration;
 /// What is drawn of each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Drawing {
-    /// Points of the limit surface.
+    /// Points of the limit surface, or of the patches that the surface has in its place.
     #[default]
     Limit,
     /// Control points after as many steps as the level says.

@@ -22,73 +22,98 @@ pub(super) fn draw<C: Cell>(
 }
 
 /// The points around a sample, and their weights.
-#[derive(Clone, Copy)]
-pub(super) enum Spot {
-    /// Of the micro-quad with this id: points (i, j), (i+1, j), (i+1, j+1), (i, j+1).
-    Quad(SampleId, [f32; 4]),
-    /// Of a triangle, by the indices of its points.
-    Triangle([usize; 3], [f32; 3]),
+pub(super) trait Spot {
+    /// Interpolates a quantity of the block.
+    fn mix(&self, a: &[f32]) -> f32;
+    /// Normal of the triangle, outward, of twice its area.
+    fn geometric(&self, points: &Grid3) -> [f32; 3];
+    /// Interpolates three quantities.
+    #[inline(always)]
+    fn mix3(&self, g: &Grid3) -> [f32; 3] {
+        [self.mix(&g.x), self.mix(&g.y), self.mix(&g.z)]
+    }
 }
 
-impl Spot {
+/// Of a micro-quad: points (i, j), (i+1, j), (i+1, j+1), (i, j+1).
+pub(super) struct Quad {
+    id: SampleId,
+    weights: [f32; 4],
+}
+
+impl Quad {
     /// The spot of sample `at` (column, row, sample) that shows `id`.
-    #[inline]
-    pub(super) fn of(
+    #[inline(always)]
+    pub(super) fn new(
         block: &ProjectedBlock,
-        list: Option<&[[u16; 3]]>,
         id: SampleId,
         [x, y, sample]: [u32; 3],
         samples: u32,
     ) -> Self {
-        match list {
-            None => Self::Quad(id, barycentrics(block, id, x, y, sample, samples)),
-            Some(list) => {
-                let corners = list[(id.0 & 2047) as usize].map(usize::from);
-                let w = list_weights(block, corners, x, y, sample, samples);
-                Self::Triangle(corners, w)
-            }
+        let weights = barycentrics(block, id, x, y, sample, samples);
+        Self { id, weights }
+    }
+}
+
+impl Spot for Quad {
+    #[inline(always)]
+    fn mix(&self, a: &[f32]) -> f32 {
+        let w = self.weights;
+        let k = self.id.row() as usize * BLOCK_STRIDE + self.id.col() as usize;
+        // One check of bounds for all four corners.
+        let a = &a[k..k + BLOCK_STRIDE + 2];
+        (w[0] * a[0] + w[1] * a[1]) + (w[2] * a[BLOCK_STRIDE + 1] + w[3] * a[BLOCK_STRIDE])
+    }
+
+    #[inline(always)]
+    fn geometric(&self, points: &Grid3) -> [f32; 3] {
+        let (i, j) = (self.id.col() as usize, self.id.row() as usize);
+        let middle = match self.id.half() {
+            0 => (i + 1, j),
+            _ => (i, j + 1),
+        };
+        let p = points.get(i, j);
+        let (q, r) = (points.get(middle.0, middle.1), points.get(i + 1, j + 1));
+        let n = math::cross(math::sub(q, p), math::sub(r, p));
+        match self.id.half() {
+            0 => n,
+            _ => n.map(|c| -c),
         }
     }
+}
 
-    /// Interpolates a quantity of the block.
-    #[inline(always)]
-    pub(super) fn mix(&self, a: &[f32]) -> f32 {
-        match self {
-            Self::Quad(id, w) => {
-                let k = id.row() as usize * BLOCK_STRIDE + id.col() as usize;
-                // One check of bounds for all four corners.
-                let a = &a[k..k + BLOCK_STRIDE + 2];
-                (w[0] * a[0] + w[1] * a[1]) + (w[2] * a[BLOCK_STRIDE + 1] + w[3] * a[BLOCK_STRIDE])
-            }
-            Self::Triangle(k, w) => (w[0] * a[k[0]] + w[1] * a[k[1]]) + w[2] * a[k[2]],
-        }
-    }
+/// Of a triangle of a list, by the indices of its points.
+pub(super) struct Listed {
+    corners: [usize; 3],
+    weights: [f32; 3],
+}
 
-    /// The same of three quantities.
-    #[inline(always)]
-    pub(super) fn mix3(&self, g: &Grid3) -> [f32; 3] {
-        [self.mix(&g.x), self.mix(&g.y), self.mix(&g.z)]
-    }
-
-    /// Normal of the triangle, outward, of twice its area.
+impl Listed {
+    /// The spot of sample `at` (column, row, sample) that shows `id`.
     #[inline]
-    pub(super) fn geometric(&self, points: &Grid3) -> [f32; 3] {
-        match self {
-            Self::Quad(id, _) => {
-                let (i, j) = (id.col() as usize, id.row() as usize);
-                let middle = match id.half() {
-                    0 => (i + 1, j),
-                    _ => (i, j + 1),
-                };
-                let p = points.get(i, j);
-                let (q, r) = (points.get(middle.0, middle.1), points.get(i + 1, j + 1));
-                let n = math::cross(math::sub(q, p), math::sub(r, p));
-                if id.half() == 0 { n } else { n.map(|c| -c) }
-            }
-            Self::Triangle(k, _) => {
-                let [p, q, r] = k.map(|k| [points.x[k], points.y[k], points.z[k]]);
-                math::cross(math::sub(q, p), math::sub(r, p))
-            }
-        }
+    pub(super) fn new(
+        block: &ProjectedBlock,
+        list: &[[u16; 3]],
+        id: SampleId,
+        [x, y, sample]: [u32; 3],
+        samples: u32,
+    ) -> Self {
+        let corners = list[(id.0 & 2047) as usize].map(usize::from);
+        let weights = list_weights(block, corners, x, y, sample, samples);
+        Self { corners, weights }
+    }
+}
+
+impl Spot for Listed {
+    #[inline(always)]
+    fn mix(&self, a: &[f32]) -> f32 {
+        let (k, w) = (self.corners, self.weights);
+        (w[0] * a[k[0]] + w[1] * a[k[1]]) + w[2] * a[k[2]]
+    }
+
+    fn geometric(&self, points: &Grid3) -> [f32; 3] {
+        let [p, q, r] = self
+            .corners
+            .map(|k| [points.x[k], points.y[k], points.z[k]]);
+        math::cross(math::sub(q, p), math::sub(r, p))
     }
 }

@@ -4,7 +4,7 @@
 use super::Frame;
 use super::cutout::{Layers, draw_cutout};
 use super::source::{Attributes, Source, SourceScratch};
-use super::spot::{Spot, draw};
+use super::spot::{Listed, Quad, Spot, draw};
 use super::stats::{Stage, StageTimes};
 use crate::displace::Displacement;
 use crate::film::PixelSum;
@@ -333,19 +333,29 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
         for v in &s.order[range.clone()] {
             let ([x, y, sample], id) = (v.place(), SampleId(v.id));
             let at = [x0 + x, y0 + y, sample];
-            let spot = Spot::of(&s.projected, list, id, at, frame.size.samples);
-            let mut point = surface_point(
-                frame,
-                &s.points,
-                &s.attributes,
-                &s.footprint,
-                spot,
-                template,
-            );
-            if s.attributes.has_tangents {
-                relief(source, &s.attributes, spot, &mut point);
-            }
-            s.surface.push(point);
+            let samples = frame.size.samples;
+            s.surface.push(match list {
+                None => {
+                    let spot = Quad::new(&s.projected, id, at, samples);
+                    surface_point(
+                        frame,
+                        source,
+                        (&s.points, &s.attributes, &s.footprint),
+                        spot,
+                        template,
+                    )
+                }
+                Some(list) => {
+                    let spot = Listed::new(&s.projected, list, id, at, samples);
+                    surface_point(
+                        frame,
+                        source,
+                        (&s.points, &s.attributes, &s.footprint),
+                        spot,
+                        template,
+                    )
+                }
+            });
         }
         s.shaded.clear();
         s.shaded.resize(s.surface.len(), [0.0; 4]);
@@ -362,15 +372,14 @@ fn shade_samples(frame: &Frame<'_>, s: &mut Scratch) {
 #[inline]
 fn surface_point(
     frame: &Frame<'_>,
-    points: &Grid3,
-    a: &Attributes,
-    footprint: &[f32],
-    spot: Spot,
+    source: &Source<'_>,
+    (points, a, footprint): (&Grid3, &Attributes, &[f32]),
+    spot: impl Spot,
     template: SurfacePoint,
 ) -> SurfacePoint {
     let position = spot.mix3(points);
     let uv = a.has_uvs.then(|| [spot.mix(&a.uvs.x), spot.mix(&a.uvs.y)]);
-    SurfacePoint {
+    let mut point = SurfacePoint {
         position,
         normal: spot.mix3(&a.normals),
         geometric: spot.geometric(points),
@@ -388,11 +397,15 @@ fn surface_point(
         },
         depth01: frame.view.depth01(frame.view.distance(position)),
         ..template
+    };
+    if a.has_tangents {
+        relief(source, a, &spot, &mut point);
     }
+    point
 }
 
 /// What tilts the normal of a point: given to shading, or done at once where the displacement's map says it.
-fn relief(source: &Source<'_>, a: &Attributes, spot: Spot, point: &mut SurfacePoint) {
+fn relief(source: &Source<'_>, a: &Attributes, spot: &impl Spot, point: &mut SurfacePoint) {
     let tangents = [0, 1].map(|k| spot.mix3(&a.tangents[k]));
     let map = (source.object.surface.displacement()).and_then(Displacement::pixel_map);
     match (map, point.uv) {

@@ -259,7 +259,7 @@ impl Cage {
     pub fn corner_uvs(&self) -> &[u32] {
         &self.corner_uvs
     }
-    /// Normals of the file (`vn`); drawn by `--surface cage` only.
+    /// Normals of the file (`vn`); for `--surface cage` and `pn` only.
     #[must_use]
     pub fn normals(&self) -> &[[f32; 3]] {
         &self.normals

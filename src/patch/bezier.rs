@@ -107,17 +107,28 @@ fn curve(t: f32) -> [f32; 3] {
     [s * s, 2.0 * (s * t), t * t]
 }
 
-/// One row of a square: places `u`, all at `v`.
+/// [`curve`] at every lane.
 #[inline(always)]
-pub(super) fn square(net: &Square, u: &Lanes, v: f32, out: &mut Row<'_>) {
+pub(super) fn curves(u: &[f32]) -> [Lanes; 3] {
+    let mut out = [[0.0; ROW]; 3];
+    let n = u.len().min(ROW);
+    for i in 0..n {
+        let [a, b, c] = curve(u[i]);
+        (out[0][i], out[1][i], out[2][i]) = (a, b, c);
+    }
+    out
+}
+
+/// One row of a square: places along u with weights `w`, all at `v`.
+#[inline(always)]
+pub(super) fn square(net: &Square, w: &[Lanes; 3], v: f32, out: &mut Row<'_>) {
     let n = out.0[0].len().min(ROW);
     let b = curve(v);
     for k in 0..3 {
         let c = net.map(|p| (p[0][k] * b[0] + p[2][k] * b[2]) + p[1][k] * b[1]);
         let out = &mut out.0[k][..n];
         for i in 0..n {
-            let w = curve(u[i]);
-            out[i] = (c[0] * w[0] + c[2] * w[2]) + c[1] * w[1];
+            out[i] = (c[0] * w[0][i] + c[2] * w[2][i]) + c[1] * w[1][i];
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::dice::face::Part;
 use crate::dispatch;
 use crate::math;
 use crate::records::{BLOCK_STRIDE, Grid3};
-use crate::simd::{LANES, Level};
+use crate::simd::Level;
 use crate::topology::Topology;
 
 /// A triangle of points.
@@ -34,6 +34,10 @@ pub(super) struct Half {
 
 /// What a grid is made of.
 #[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one per thread, and its buffers are used again"
+)]
 pub(super) enum Shape {
     /// Points and normals.
     Square([Square; 2]),
@@ -256,18 +260,19 @@ fn row(grid: &mut Grid3, j: usize, from: usize, to: usize) -> Row<'_> {
     Row([&mut x[lanes.clone()], &mut y[lanes.clone()], &mut z[lanes]])
 }
 
-/// One row of a square.
+/// One row of a square: places `u`, whose weights are `w`, all at `v`.
 #[inline(always)]
 fn square_row(
     [points, normals]: &[Square; 2],
-    u: &Lanes,
+    u: &[f32],
+    w: &[Lanes; 3],
     v: f32,
     to: &mut Row<'_>,
     unit: Option<&mut Row<'_>>,
 ) {
-    bezier::square(points, u, v, to);
+    bezier::square(points, w, v, to);
     if let Some(unit) = unit {
-        bezier::square(normals, u, v, unit);
+        bezier::square(normals, w, v, unit);
         let corner = |i: usize, j: usize| normals[2 * i][2 * j];
         bezier::normalize(unit, |i| {
             let (s, t) = (1.0 - u[i], 1.0 - v);
@@ -284,9 +289,13 @@ fn dice(shape: &Shape, part: Part, points: &mut Grid3, mut normals: Option<&mut 
     let scale = 1.0 / (1_u32 << part.level) as f32;
     let [x, y] = part.start.map(|k| k as usize);
     let n = part.segments as usize + 1;
-    // Whole vectors: rows are long enough for what is too much.
-    let padded = |n: usize| if n == 1 { 1 } else { n.div_ceil(LANES) * LANES };
+    // Few odd lanes: rows are long enough for what is too much.
+    let padded = |n: usize| if n == 1 { 1 } else { n.next_multiple_of(8) };
     let u: Lanes = std::array::from_fn(|i| (x + i) as f32 * scale);
+    let w = match shape {
+        Shape::Square(_) => bezier::curves(&u),
+        _ => [[0.0; ROW]; 3],
+    };
     for j in 0..n {
         let v = (y + j) as f32 * scale;
         // Columns before this one lie above the diagonal.
@@ -303,7 +312,7 @@ fn dice(shape: &Shape, part: Part, points: &mut Grid3, mut normals: Option<&mut 
             let mut unit = normals.as_deref_mut().map(|g| row(g, j, from, to));
             let unit = unit.as_mut();
             match shape {
-                Shape::Square(square) if k == 0 => square_row(square, &u, v, &mut own, unit),
+                Shape::Square(square) if k == 0 => square_row(square, &u, &w, v, &mut own, unit),
                 Shape::Triangle(half) if k == 0 => {
                     let folded = u.map(|u| if u > v { u } else { v });
                     half.row(false, &folded[..to], &[v; ROW], &mut own, unit);
@@ -322,7 +331,14 @@ fn at(shape: &Shape, u: f32, v: f32) -> (Vector, Vector) {
     let mut own = Row(p.each_mut().map(|c| &mut c[..]));
     let mut unit = Row(n.each_mut().map(|c| &mut c[..]));
     match shape {
-        Shape::Square(square) => square_row(square, &[u; ROW], v, &mut own, Some(&mut unit)),
+        Shape::Square(square) => square_row(
+            square,
+            &[u],
+            &bezier::curves(&[u]),
+            v,
+            &mut own,
+            Some(&mut unit),
+        ),
         Shape::Triangle(half) => {
             let u = if u > v { u } else { v };
             half.row(false, &[u], &[v], &mut own, Some(&mut unit));

@@ -14,6 +14,9 @@ pub(super) fn corner_normals(
 ) -> Vec<Vector> {
     let mut out = vec![[0.0, 0.0, 1.0]; t.half_count()];
     let mut ring = Vec::new();
+    let faces: Vec<Vector> = (0..t.face_count() as u32)
+        .map(|f| area(t, points, f))
+        .collect();
     for fan in t.fans() {
         if fan.first == NONE {
             continue;
@@ -31,7 +34,9 @@ pub(super) fn corner_normals(
             let rest = &ring[from + 1..];
             let to = from + 1 + rest.iter().position(cuts).unwrap_or(rest.len());
             let sector = &ring[from..to];
-            let sum = (sector.iter()).fold([0.0; 3], |sum, &h| math::add(sum, angle(t, points, h)));
+            let sum = (sector.iter()).fold([0.0; 3], |sum, &h| {
+                math::add(sum, angle(t, points, &faces, h))
+            });
             if let Some(normal) = math::normalize(sum) {
                 sector.iter().for_each(|&h| out[h as usize] = normal);
             }
@@ -46,14 +51,27 @@ pub(super) fn corner_normals(
     out
 }
 
+/// Twice the area of a face, along its normal (Newell's sum).
+fn area(t: &Topology, points: &[Vector], f: u32) -> Vector {
+    let halves = t.face_halves(f);
+    let base = points[t.vertex(halves.start) as usize];
+    let at = |h: u32| math::sub(points[t.vertex(h) as usize], base);
+    let crosses = halves.map(|h| math::cross(at(h), at(t.next(h))));
+    crosses.fold([0.0; 3], math::add)
+}
+
 /// The normal of a face at one of its corners, as long as its angle there.
-fn angle(t: &Topology, points: &[Vector], h: u32) -> Vector {
+fn angle(t: &Topology, points: &[Vector], faces: &[Vector], h: u32) -> Vector {
     let at = |h: u32| points[t.vertex(h) as usize];
     let side = |to: u32| math::normalize(math::sub(at(to), at(h)));
     let (Some(a), Some(b)) = (side(t.next(h)), side(t.prev(h))) else {
         return [0.0; 3];
     };
     let cross = math::cross(a, b);
-    let angle = libm::atan2f(math::length(cross), math::dot(a, b));
+    let mut angle = libm::atan2f(math::length(cross), math::dot(a, b));
+    // A corner that points into its face has the rest of the turn, on the other side.
+    if math::dot(cross, faces[t.face_of(h) as usize]) < 0.0 {
+        angle -= std::f32::consts::TAU;
+    }
     math::normalize(cross).map_or([0.0; 3], |n| math::scale(n, angle))
 }

@@ -110,9 +110,12 @@ fn linear_directions(surface: &Surface) -> BTreeMap<u32, [f32; 3]> {
 
 impl Surface {
     /// Displaces the surface from now on, in [`Surface::dice`] and pictures; `None` takes the displacement away. A map needs texture
-    /// coordinates: without, it is read at (0, 0). Evaluation at places ([`evaluate`](crate::evaluate)) goes on answering for the limit
+    /// coordinates: without, it is read at (0, 0). PN triangles then stand on the cage's own normals, not those of the file. Evaluation at places ([`evaluate`](crate::evaluate)) goes on answering for the limit
     /// surface. The rules at seams and creases: [`displace`](crate::displace).
     pub fn set_displacement(&mut self, displacement: Option<Displacement>) {
+        if displacement.is_some() {
+            self.forget_given_normals();
+        }
         self.displaced = displacement.map(|d| Arc::new(Displaced::new(self, d)));
     }
 

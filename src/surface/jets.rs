@@ -56,7 +56,7 @@ impl Jets {
         if surface.triangles {
             let root = surface.triangle_channel(kind)?;
             let (u, v) = (s - t, t);
-            let found = below.as_ref().and_then(|b| leaf(b, face, u, v));
+            let found = below.as_ref().and_then(|b| leaf(b, face, u, v, true));
             let Leaf {
                 channel,
                 depth,
@@ -74,7 +74,8 @@ impl Jets {
             return Some(derivatives::<ORDER>(found, scale, tip.is_some()));
         }
         let root = surface.channel(kind, None)?;
-        let found = (below.as_ref()).and_then(|b| evaluate::leaf(b as &dyn Descend, face, s, t));
+        let found =
+            (below.as_ref()).and_then(|b| evaluate::leaf(b as &dyn Descend, face, s, t, true));
         let Leaf {
             channel,
             depth,

@@ -271,9 +271,6 @@ impl QuadPatch {
         self.uv_ready = false;
         self.color_ready = false;
         self.triangle = surface.triangles;
-        if refined.is_none() && self.points.prepare_patches(surface, q, level, sides) {
-            return;
-        }
         let target = match refined {
             Some(_) if !surface.linear => Target::Refined,
             _ => Target::Limit,
@@ -284,6 +281,9 @@ impl QuadPatch {
             true => Sides::Normals,
             false => sides,
         };
+        if refined.is_none() && self.points.prepare_patches(surface, q, level, sides) {
+            return;
+        }
         let wanted = Wanted {
             target,
             level,
@@ -496,7 +496,7 @@ impl QuadPatch {
     }
 
     /// Point and unit normal at (`u`, `v`) of the patches that were prepared.
-    pub(super) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
+    pub(crate) fn patch_at(&self, u: f32, v: f32) -> ([f32; 3], [f32; 3]) {
         self.points.patches.at(u, v)
     }
 

@@ -112,6 +112,33 @@ impl std::fmt::Display for TopologyWarning {
     }
 }
 
+impl TopologyWarning {
+    /// A face of `t`, which was connected with this warning, to look at: the third face of an edge of too many, the second of an edge between
+    /// windings, the first at a vertex. `None` for what is about no face.
+    #[must_use]
+    pub fn face(&self, t: &Topology) -> Option<u32> {
+        let halves = 0..t.half_count() as u32;
+        let on_edge = |[a, b]: [u32; 2], nth: usize| {
+            let runs = |h: &u32| {
+                let ends = [t.vertex(*h), t.vertex(t.next(*h))];
+                ends == [a, b] || ends == [b, a]
+            };
+            let found = halves.clone().filter(runs).take(nth + 1);
+            found.last().map(|h| t.face_of(h))
+        };
+        match *self {
+            Self::NonManifoldEdges { first, .. } => on_edge(first, 2),
+            Self::FlippedEdges { first, .. } => on_edge(first, 1),
+            Self::SplitVertices { first, .. } => {
+                let mut halves = halves.clone();
+                halves.find(|&h| t.vertex(h) == first).map(|h| t.face_of(h))
+            }
+            Self::NotTriangles { first, .. } => Some(first),
+            Self::NoSuchEdge { .. } => None,
+        }
+    }
+}
+
 const GROUP_BOUNDARY: u8 = 0;
 const GROUP_PAIR: u8 = 1;
 const GROUP_FLIPPED: u8 = 2;

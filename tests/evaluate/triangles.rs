@@ -76,6 +76,7 @@ fn random(index: u64) -> (Surface, RandomCage) {
         face_varying: Some(case.fvar),
         creases: Some(case.options.creases),
         triangles: Some(case.options.triangles),
+        ..SurfaceOptions::default()
     };
     (Surface::new(cage, &options), random)
 }

@@ -29,6 +29,7 @@ use sheet::Sheet;
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+pub(super) use walk::surroundings;
 pub(crate) use walk::{Found, STEPS, Walk};
 
 /// Levels of a table, at most.

@@ -65,7 +65,11 @@ fn rings(scheme: Scheme, depth: u32) -> usize {
 }
 
 /// Face `own` and rings around it, in order, and which of them it is.
-fn surroundings(t: &Topology, own: u32, rings: usize) -> (Vec<(u32, u32)>, u32) {
+pub(in crate::control) fn surroundings(
+    t: &Topology,
+    own: u32,
+    rings: usize,
+) -> (Vec<(u32, u32)>, u32) {
     let mut faces = BTreeSet::from([own]);
     let mut rim = vec![own];
     let mut seen = BTreeSet::new();

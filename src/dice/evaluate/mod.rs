@@ -6,6 +6,7 @@
 //! corner's limit; pieces are `f32`, relative to a point of their own, so that derivatives of small faces far from the origin lose
 //! nothing.
 
+mod once;
 mod ring;
 mod row;
 mod spline;
@@ -16,6 +17,7 @@ use super::linear;
 use super::net::{Net, fill_phantoms, gather_net, put_corner, refine_node, turn};
 use super::point::{D4, P4, Point};
 use super::window::Around;
+pub(crate) use once::at_once;
 use ring::Ring;
 use row::Column;
 pub(crate) use row::Row;
@@ -53,13 +55,20 @@ pub(crate) struct Leaf<C> {
     pub(crate) open: bool,
 }
 
-/// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch.
-pub(crate) fn leaf(below: &dyn Descend, q: u32, u: f32, v: f32) -> Option<Leaf<Channel<'_>>> {
+/// Follows the control levels below quad `q` down to the patch at (`u`, `v`). `None` where the quad itself is the patch. `whole` where the quad
+/// is one of the surface; else it is a part of one, whose corners are places as any other.
+pub(crate) fn leaf(
+    below: &dyn Descend,
+    q: u32,
+    u: f32,
+    v: f32,
+    whole: bool,
+) -> Option<Leaf<Channel<'_>>> {
     let root = below.at(0)?;
     root.first_child(q)?;
     const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
-    let mut tip = corner([u, v]);
+    let mut tip = corner([u, v]).filter(|_| whole);
     if let Some(c) = tip {
         let h = 4 * q + c as u32;
         if !root.features[root.whole.vertex(h) as usize] {
@@ -111,10 +120,12 @@ pub(crate) struct QuadEvaluator {
     /// The quad itself, or its pieces as parameters have asked for them.
     patches: Vec<Patch>,
     /// Places in `patches` by corner (by place), depth and cell of the sheet; [`MISSING`] if not made.
-    slots: [[[u16; 4]; SHALLOW]; 4],
+    slots: [[[u8; 4]; SHALLOW]; 4],
     q: u32,
     /// Kept while the quad is regular, for its memory.
     parts: Option<Box<Parts>>,
+    /// Rows of the last grid, for their memory.
+    row: Option<Box<Row>>,
 }
 
 /// Depths that are found without a search.
@@ -127,7 +138,7 @@ struct Parts {
     net: Net<5, D4>,
     /// Control points of pieces: first those of depth 1, around the middle, then what the corners have left.
     sheets: Vec<Sheet>,
-    /// Patches deeper than slots go.
+    /// Patches deeper than slots go, or of numbers that slots do not hold.
     deep: Vec<(Slot, u16)>,
     /// Kept from quad to quad for their memory; `made` are of this one. By number of the corner.
     chains: [Option<Box<Chain>>; 4],
@@ -168,11 +179,15 @@ impl Sheet {
     /// The patch of a cell: bit 0 is set for the right column, bit 1 for the upper row.
     fn patch(&self, cell: u8) -> Patch {
         let (row, col) = (usize::from(cell >> 1), usize::from(cell & 1));
-        Patch::new(self.origin, |r, c| self.points[row + r][col + c])
+        let line = |r: usize| {
+            let p = &self.points[row + r];
+            [p[col], p[col + 1], p[col + 2], p[col + 3]]
+        };
+        Patch::new(self.origin, &[line(0), line(1), line(2), line(3)])
     }
 }
 
-const MISSING: u16 = u16::MAX;
+const MISSING: u8 = u8::MAX;
 
 /// Numbers of corners by place.
 const CORNERS: [usize; 4] = [0, 1, 3, 2];
@@ -198,6 +213,7 @@ impl Default for QuadEvaluator {
             slots: [[[MISSING; 4]; SHALLOW]; 4],
             patches: Vec::new(),
             parts: None,
+            row: None,
         }
     }
 }
@@ -278,50 +294,52 @@ impl QuadEvaluator {
             parts.prepare(channel, q, regular);
             return;
         }
-        let net = if channel.linear {
+        let mut net = if channel.linear {
             linear::net(channel, q)
         } else {
             gather_net(t, channel.points, q)
         };
         let origin = net[1][1];
-        let patch = Patch::new(origin, |r, c| net[r][c] - origin);
-        self.patches.push(patch);
+        for p in net.iter_mut().flatten() {
+            *p = *p - origin;
+        }
+        self.patches.push(Patch::new(origin, &net));
     }
 
     /// The patch at (`u`, `v`) of an irregular quad; `None` where it is an irregular corner.
     #[inline(always)]
     fn patch(&mut self, channel: Channel<'_>, slot: Slot) -> Option<&Patch> {
         let depth = slot.depth as usize;
-        let mut at = MISSING;
+        let mut known = MISSING;
         if depth < SHALLOW {
-            at = self.slots[slot.corner as usize][depth][slot.cell as usize];
+            known = self.slots[slot.corner as usize][depth][slot.cell as usize];
         }
-        if at == MISSING {
-            at = self.seek(channel, slot)?;
-        }
-        self.patches.get(at as usize)
+        let at = match known {
+            MISSING => self.seek(channel, slot)?,
+            known => known.into(),
+        };
+        self.patches.get(at)
     }
 
     /// The place of a patch that slots do not tell: made, if it has to be.
     #[inline(never)]
-    fn seek(&mut self, channel: Channel<'_>, slot: Slot) -> Option<u16> {
+    fn seek(&mut self, channel: Channel<'_>, slot: Slot) -> Option<usize> {
         let parts = self.parts.as_mut()?;
         let depth = slot.depth as usize;
         if depth > MAX_DEPTH as usize {
             return None;
         }
-        if depth >= SHALLOW
-            && let Some(&(_, at)) = parts.deep.iter().find(|d| d.0 == slot)
-        {
-            return Some(at);
+        if let Some(&(_, at)) = parts.deep.iter().find(|d| d.0 == slot) {
+            return Some(at.into());
         }
-        let at = self.patches.len() as u16;
+        let at = self.patches.len();
         let sheet = parts.sheet(channel, self.q, slot);
         self.patches.push(sheet.patch(slot.cell));
-        if depth < SHALLOW {
-            self.slots[slot.corner as usize][depth][slot.cell as usize] = at;
-        } else {
-            parts.deep.push((slot, at));
+        match u8::try_from(at) {
+            Ok(at) if depth < SHALLOW && at != MISSING => {
+                self.slots[slot.corner as usize][depth][slot.cell as usize] = at;
+            }
+            _ => parts.deep.push((slot, at as u16)),
         }
         Some(at)
     }
@@ -342,7 +360,25 @@ impl QuadEvaluator {
         }
     }
 
-    /// Row `j` of the quad's grid of `n` by `n` segments, u first.
+    /// Hands the rows of the quad's grid of `n` by `n` segments to `each`, u first in a row.
+    #[inline(always)]
+    pub(crate) fn grid<const ORDER: u32>(
+        &mut self,
+        channel: Channel<'_>,
+        n: u32,
+        mut each: impl FnMut(&Row),
+    ) {
+        let mut row = match self.row.take() {
+            Some(row) if row.segments() == n => row,
+            _ => Box::new(Row::new(n)),
+        };
+        for j in 0..=n {
+            self.grid_row::<ORDER>(channel, j as f32 / n as f32, &mut row);
+            each(&row);
+        }
+        self.row = Some(row);
+    }
+
     #[inline(always)]
     pub(crate) fn grid_row<const ORDER: u32>(
         &mut self,
@@ -350,13 +386,13 @@ impl QuadEvaluator {
         v: f32,
         row: &mut Row,
     ) {
-        row.begin();
         if !self.irregular {
             if let Some(patch) = self.patches.first() {
                 row.fill::<ORDER>(&patch.curve::<ORDER>(v));
             }
             return;
         }
+        row.begin();
         let line = Column::new(v);
         // Along a row of the grid v is the same all through a patch.
         let (mut first, mut last) = (0, None);
@@ -396,15 +432,15 @@ impl QuadEvaluator {
         let u = row.columns[columns.start].u;
         let spot = Spot::new(&self.regular, u, v);
         let Some(patch) = self.patch(channel, spot.slot) else {
-            for _ in columns {
+            for i in columns {
                 if let Place::Corner(jet, c) = corner::<ORDER>(channel, self.q, spot.slot) {
-                    row.append_corner(jet, c);
+                    row.put_corner::<ORDER>(i, jet, c);
                 }
             }
             return;
         };
         let curve = patch.curve::<ORDER>(spot.at[1]);
-        row.append::<ORDER>(&curve, &spot, columns);
+        row.put::<ORDER>(&curve, &spot, columns);
     }
 }
 

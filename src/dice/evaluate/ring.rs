@@ -9,7 +9,9 @@ use crate::dice::face::Channel;
 use crate::dice::fan_points::{RING_FACES, TangentMask, V3};
 use crate::dice::point::{D4, Point};
 use crate::dice::window::{Around, edge_point, face_point};
+use crate::scheme::by_valence::ByValence;
 use crate::topology::{Fan, FanRule, NONE};
+use std::sync::LazyLock;
 
 /// A vertex with its ring. Sector 0 belongs to the quad that asked.
 #[derive(Clone, Debug, Default)]
@@ -128,8 +130,7 @@ impl Ring {
     pub(super) fn limit(&self) -> D4 {
         match self.fan {
             Some(fan) if fan.rule == FanRule::Smooth => {
-                let n = f64::from(fan.faces);
-                (self.v.times(n) + self.edges.times(4.0) + self.faces).times(1.0 / (n + 5.0))
+                smooth_limit(f64::from(fan.faces), self.v, self.edges, self.faces)
             }
             Some(fan) if fan.rule == FanRule::Crease => {
                 self.v + (self.edges - self.v).times(1.0 / 3.0)
@@ -159,11 +160,7 @@ impl Ring {
             }
             FanRule::Smooth => {
                 let n = f64::from(self.fan.map_or(4, |f| f.faces));
-                let faces = ((self.v + self.faces) + (self.edges + self.edges)) * 0.25;
-                let next = (self.v.times(n - 2.0) + (self.edges + faces)).times(1.0 / n);
-                self.edges = ((self.v + self.edges) + (faces + faces)) * 0.25;
-                self.faces = faces;
-                next
+                next_vertex(n, self.v, &mut self.edges, &mut self.faces)
             }
         }
     }
@@ -175,16 +172,7 @@ impl Ring {
         let s = &mut self.spokes[..];
         let n = s.len();
         if self.closed {
-            let first = s[0];
-            for k in (0..n).step_by(2) {
-                let after = if k + 2 < n { s[k + 2] } else { first };
-                s[k + 1] = face_point(v, s[k], s[k + 1], after);
-            }
-            let mut before = s[n - 1];
-            for k in (0..n).step_by(2) {
-                s[k] = edge_point(v, s[k], before, s[k + 1]);
-                before = s[k + 1];
-            }
+            step_closed(v, s);
         } else {
             for k in (0..n - 1).step_by(2) {
                 s[k + 1] = face_point(v, s[k], s[k + 1], s[k + 2]);
@@ -236,16 +224,54 @@ impl Ring {
     }
 
     fn star(&self, fan: Fan) -> [V3; 2] {
-        let mask = TangentMask::of(fan.closed, fan.faces);
-        let scales = mask.scales(fan.closed);
-        [0, 1].map(|k| {
-            let mut sum = D4::ZERO;
-            for (p, w) in self.spokes.iter().zip(&mask.weights) {
-                sum = sum + (*p - self.v).times(w[k]);
-            }
-            let sum = sum.times(scales[k]).0;
-            [sum[0], sum[1], sum[2]]
+        static MASKS: [LazyLock<ByValence<TangentMask>>; 2] = [
+            LazyLock::new(|| ByValence::new(|n| TangentMask::of(false, n))),
+            LazyLock::new(|| ByValence::new(|n| TangentMask::of(true, n))),
+        ];
+        MASKS[usize::from(fan.closed)].with(fan.faces, |mask| {
+            let scales = mask.scales(fan.closed);
+            [0, 1].map(|k| {
+                let mut sum = D4::ZERO;
+                for (p, w) in self.spokes.iter().zip(&mask.weights) {
+                    sum = sum + (*p - self.v).times(w[k]);
+                }
+                let sum = sum.times(scales[k]).0;
+                [sum[0], sum[1], sum[2]]
+            })
         })
+    }
+}
+
+/// Where a smooth vertex of `n` faces ends up; `edges` and `faces` are the means of its edge and face neighbours.
+#[inline(always)]
+pub(super) fn smooth_limit(n: f64, v: D4, edges: D4, faces: D4) -> D4 {
+    (v.times(n) + edges.times(4.0) + faces).times(1.0 / (n + 5.0))
+}
+
+/// What a smooth vertex of `n` faces becomes in one step; advances the means.
+#[inline(always)]
+pub(super) fn next_vertex(n: f64, v: D4, edges: &mut D4, faces: &mut D4) -> D4 {
+    let next_faces = ((v + *faces) + (*edges + *edges)) * 0.25;
+    let next = (v.times(n - 2.0) + (*edges + next_faces)).times(1.0 / n);
+    *edges = ((v + *edges) + (next_faces + next_faces)) * 0.25;
+    *faces = next_faces;
+    next
+}
+
+/// One step of the closed ring e, f, e, f, … around `v`.
+#[inline(always)]
+pub(super) fn step_closed(v: D4, s: &mut [D4]) {
+    let (n, Some(&first)) = (s.len(), s.first()) else {
+        return;
+    };
+    for k in (0..n).step_by(2) {
+        let after = if k + 2 < n { s[k + 2] } else { first };
+        s[k + 1] = face_point(v, s[k], s[k + 1], after);
+    }
+    let mut before = s[n - 1];
+    for k in (0..n).step_by(2) {
+        s[k] = edge_point(v, s[k], before, s[k + 1]);
+        before = s[k + 1];
     }
 }
 

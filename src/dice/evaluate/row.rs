@@ -1,7 +1,7 @@
 //! Rows of a grid: many parameters on one line of constant v.
 //!
-//! On a regular quad a row is one curve, evaluated component by component with lanes along u. Elsewhere it runs through several pieces, some
-//! with a point or two, and every point has its components in the lanes. Both do the sums of
+//! On a regular quad a row is one curve, evaluated component by component with lanes along u. Elsewhere it runs through several pieces: long
+//! ones are done the same way, of those with a point or two every point has its components in the lanes. Both do the sums of
 //! [`Patch::jet`](super::spline::Patch::jet) in the same order, so a grid gives the bits of single parameters at every level of vector
 //! instructions.
 
@@ -38,16 +38,22 @@ impl Column {
     }
 }
 
+/// Lanes that are evaluated past the end of a piece, into places of the next or none.
+const PAD: usize = 8;
+
+/// Fewest places on a piece for which lanes along u pay.
+const FEW: usize = 3;
+
 /// Position and derivatives along a row; what was not asked for is not written.
 #[derive(Clone, Debug)]
 pub(crate) struct Row {
     simd: Level,
+    n: u32,
     pub(super) columns: Vec<Column>,
+    /// Parameters on their pieces.
     u: Vec<f32>,
-    /// Of a regular quad: line after line, each as long as the row.
+    /// A line for each component of position, du, dv, duu, duv, dvv; each [`PAD`] longer than the row.
     lines: Vec<f32>,
-    /// Of any other: place after place.
-    jets: Vec<[F4; 6]>,
     /// Places that are irregular corners: at most two.
     corners: [Option<(usize, usize)>; 2],
 }
@@ -58,55 +64,82 @@ impl Row {
         Self::of_columns((0..=n).map(|i| i as f32 / n as f32), Level::detect())
     }
 
-    /// Rows of any places along u, in ascending order.
+    /// Rows of any places along u, in ascending order; at least one.
     pub(crate) fn of_columns(u: impl Iterator<Item = f32>, simd: Level) -> Self {
+        let columns: Vec<Column> = u.map(Column::new).collect();
+        let padded = columns.len() + PAD;
         Self {
             simd,
-            columns: u.map(Column::new).collect(),
-            u: Vec::new(),
-            lines: Vec::new(),
-            jets: Vec::new(),
+            n: (columns.len() as u32).saturating_sub(1),
+            columns,
+            u: vec![0.0; padded],
+            lines: vec![0.0; LINES * padded],
             corners: [None; 2],
         }
     }
 
-    fn length(&self) -> usize {
-        self.columns.len()
+    /// Segments of the grid.
+    pub(crate) fn segments(&self) -> u32 {
+        self.n
     }
 
     /// The whole row lies on one curve.
     pub(super) fn fill<const ORDER: u32>(&mut self, curve: &Curve) {
-        if self.u.len() != self.length() {
-            self.u.clear();
-            self.u.extend(self.columns.iter().map(|c| c.u));
-            self.lines.resize(LINES * self.length(), 0.0);
+        self.corners = [None; 2];
+        let length = self.columns.len();
+        for (u, column) in self.u.iter_mut().zip(&self.columns) {
+            *u = column.u;
         }
-        dispatch!(self.simd, lanes::<ORDER>(curve, &self.u, &mut self.lines));
+        let part = 0..length;
+        dispatch!(
+            self.simd,
+            lanes::<ORDER, false>(curve, 1.0, &self.u, part, &mut self.lines)
+        );
     }
 
-    /// Begins a row of several pieces.
+    /// Begins a row of several pieces, which are to be put from left to right.
     pub(super) fn begin(&mut self) {
-        self.jets.clear();
         self.corners = [None; 2];
     }
 
-    /// Appends the places `columns`, which lie on `curve` with the place `spot`.
-    pub(super) fn append<const ORDER: u32>(
+    /// Puts the places `columns`, which lie on `curve` with the place `spot`.
+    pub(super) fn put<const ORDER: u32>(
         &mut self,
         curve: &Curve,
         spot: &Spot,
         columns: Range<usize>,
     ) {
-        let start = self.jets.len();
-        self.jets.resize(start + columns.len(), [F4::splat(0.0); 6]);
-        run::<ORDER>(curve, spot, &self.columns[columns], &mut self.jets[start..]);
+        if columns.len() < FEW {
+            for i in columns {
+                let jet = curve.at::<ORDER>(spot.along(&self.columns[i]));
+                self.set::<ORDER>(i, jet.scaled::<ORDER>(spot.scale));
+            }
+            return;
+        }
+        for i in columns.clone() {
+            self.u[i] = spot.along(&self.columns[i]);
+        }
+        dispatch!(
+            self.simd,
+            lanes::<ORDER, true>(curve, spot.scale, &self.u, columns, &mut self.lines)
+        );
     }
 
-    /// Appends irregular corner `c` of the quad.
-    pub(super) fn append_corner(&mut self, jet: Jet, c: usize) {
+    /// Puts irregular corner `c` of the quad at place `i`.
+    pub(super) fn put_corner<const ORDER: u32>(&mut self, i: usize, jet: Jet, c: usize) {
         let free = usize::from(self.corners[0].is_some());
-        self.corners[free] = Some((self.jets.len(), c));
-        self.jets.push(parts(jet));
+        self.corners[free] = Some((i, c));
+        self.set::<ORDER>(i, jet);
+    }
+
+    #[inline(always)]
+    fn set<const ORDER: u32>(&mut self, i: usize, jet: Jet) {
+        let parts = [jet.position, jet.du, jet.dv, jet.duu, jet.duv, jet.dvv];
+        let wanted = [1, 3, 6][ORDER as usize];
+        let lines = self.lines.chunks_exact_mut(self.columns.len() + PAD);
+        for (k, line) in lines.enumerate().take(3 * wanted) {
+            line[i] = parts[k / 3].0[k % 3];
+        }
     }
 
     /// The corner that place `i` is, if it is an irregular one.
@@ -118,13 +151,7 @@ impl Row {
     /// Writes what `to` makes of position, du and dv.
     #[inline(always)]
     pub(crate) fn tangents<S>(&self, out: &mut [S], to: impl Fn([[f32; 3]; 3]) -> S) {
-        if !self.jets.is_empty() {
-            for (jet, out) in self.jets.iter().zip(out) {
-                *out = to([jet[0].xyz(), jet[1].xyz(), jet[2].xyz()]);
-            }
-            return;
-        }
-        let n = out.len().min(self.length());
+        let n = out.len().min(self.columns.len());
         let l = self.lines().map(|line| &line[..n]);
         for (i, out) in out[..n].iter_mut().enumerate() {
             *out = to([0, 3, 6].map(|k| [l[k][i], l[k + 1][i], l[k + 2][i]]));
@@ -133,26 +160,21 @@ impl Row {
 
     /// All of it at place `i`.
     pub(crate) fn jet(&self, i: usize) -> Jet {
-        let parts = if self.jets.is_empty() {
-            let l = self.lines();
-            [0, 3, 6, 9, 12, 15].map(|k| F4::new([l[k][i], l[k + 1][i], l[k + 2][i], 0.0]))
-        } else {
-            self.jets[i]
-        };
-        let [position, du, dv, duu, duv, dvv] = parts;
+        let l = self.lines();
+        let part = |k: usize| F4::new([l[k][i], l[k + 1][i], l[k + 2][i], 0.0]);
         Jet {
-            position,
-            du,
-            dv,
-            duu,
-            duv,
-            dvv,
+            position: part(0),
+            du: part(3),
+            dv: part(6),
+            duu: part(9),
+            duv: part(12),
+            dvv: part(15),
         }
     }
 
     #[inline(always)]
     fn lines(&self) -> [&[f32]; LINES] {
-        let n = self.length();
+        let n = self.columns.len() + PAD;
         let mut lines = [&self.lines[..0]; LINES];
         for (k, line) in lines.iter_mut().enumerate() {
             *line = &self.lines[k * n..(k + 1) * n];
@@ -161,36 +183,29 @@ impl Row {
     }
 }
 
+/// The places `part` of a line for each component of position and derivatives, by a parameter `scale` times as fast. Written out: closures
+/// would be compiled without the level's instructions.
 #[inline(always)]
-fn parts(jet: Jet) -> [F4; 6] {
-    [jet.position, jet.du, jet.dv, jet.duu, jet.duv, jet.dvv]
-}
-
-/// Points one by one, all four lanes of them stored: otherwise the compiler does them number by number.
-#[inline(never)]
-fn run<const ORDER: u32>(curve: &Curve, spot: &Spot, columns: &[Column], out: &mut [[F4; 6]]) {
-    for (column, out) in columns.iter().zip(out) {
-        let jet = curve.at::<ORDER>(spot.along(column));
-        let jet = jet.scaled::<ORDER>(spot.scale);
-        (out[0], out[1], out[2]) = (jet.position, jet.du, jet.dv);
-        if ORDER > 1 {
-            (out[3], out[4], out[5]) = (jet.duu, jet.duv, jet.dvv);
-        }
-    }
-}
-
-/// A line for each component of position and derivatives. Written out: closures would be compiled without the level's instructions.
-#[inline(always)]
-fn lanes<const ORDER: u32>(curve: &Curve, u: &[f32], lines: &mut [f32]) {
+fn lanes<const ORDER: u32, const SCALED: bool>(
+    curve: &Curve,
+    scale: f32,
+    u: &[f32],
+    part: Range<usize>,
+    lines: &mut [f32],
+) {
+    // In whole vectors: what is beyond the part is written over by the next, or stands beyond the row.
+    let whole = part.start..part.start + part.len().next_multiple_of(PAD);
+    let mut lines = lines.chunks_exact_mut(u.len());
+    let u = &u[whole.clone()];
     let n = u.len();
-    let mut lines = lines.chunks_exact_mut(n);
+    let square = scale * scale;
     let mut parts = [[0.0; 4]; 3];
     for k in 0..3 {
         let (value, Some(out)) = (component(&curve.value, k), lines.next()) else {
             return;
         };
         parts[k] = value;
-        let origin = curve.origin.0[k];
+        let (origin, out) = (curve.origin.0[k], &mut out[whole.clone()]);
         for i in 0..n {
             out[i] = origin + cubic(value, u[i]);
         }
@@ -200,16 +215,18 @@ fn lanes<const ORDER: u32>(curve: &Curve, u: &[f32], lines: &mut [f32]) {
     }
     for value in parts {
         let Some(out) = lines.next() else { return };
+        let out = &mut out[whole.clone()];
         for i in 0..n {
-            out[i] = first(value, u[i]);
+            out[i] = times::<SCALED>(first(value, u[i]), scale);
         }
     }
     for k in 0..3 {
         let (slope, Some(out)) = (component(&curve.slope, k), lines.next()) else {
             return;
         };
+        let out = &mut out[whole.clone()];
         for i in 0..n {
-            out[i] = cubic(slope, u[i]);
+            out[i] = times::<SCALED>(cubic(slope, u[i]), scale);
         }
     }
     if ORDER == 1 {
@@ -217,28 +234,36 @@ fn lanes<const ORDER: u32>(curve: &Curve, u: &[f32], lines: &mut [f32]) {
     }
     for value in parts {
         let Some(out) = lines.next() else { return };
+        let out = &mut out[whole.clone()];
         for i in 0..n {
             let half = half_second(value, u[i]);
-            out[i] = half + half;
+            out[i] = times::<SCALED>(half + half, square);
         }
     }
     for k in 0..3 {
         let (slope, Some(out)) = (component(&curve.slope, k), lines.next()) else {
             return;
         };
+        let out = &mut out[whole.clone()];
         for i in 0..n {
-            out[i] = first(slope, u[i]);
+            out[i] = times::<SCALED>(first(slope, u[i]), square);
         }
     }
     for k in 0..3 {
         let (bend, Some(out)) = (component(&curve.bend, k), lines.next()) else {
             return;
         };
+        let out = &mut out[whole.clone()];
         for i in 0..n {
             let half = cubic(bend, u[i]);
-            out[i] = half + half;
+            out[i] = times::<SCALED>(half + half, square);
         }
     }
+}
+
+#[inline(always)]
+fn times<const SCALED: bool>(x: f32, scale: f32) -> f32 {
+    if SCALED { x * scale } else { x }
 }
 
 #[inline(always)]

@@ -143,6 +143,11 @@ fn monomials(p: [F4; 4]) -> [F4; 4] {
     ]
 }
 
+#[inline(always)]
+fn row(p: &[P4; 4]) -> [F4; 4] {
+    monomials([F4(p[0].0), F4(p[1].0), F4(p[2].0), F4(p[3].0)])
+}
+
 /// One bicubic piece by its monomial coefficients, relative to an origin: a third of the work of its control points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {
@@ -161,30 +166,32 @@ pub(super) struct Curve {
 }
 
 impl Patch {
-    /// The B-spline of the control points `point(row, column)`, which are relative to `origin`.
+    /// The B-spline of control points relative to `origin`, row by row.
     #[inline(always)]
-    pub(super) fn new(origin: P4, point: impl Fn(usize, usize) -> P4) -> Self {
-        let at = |r: usize, c: usize| F4(point(r, c).0);
-        let row = |r: usize| monomials([at(r, 0), at(r, 1), at(r, 2), at(r, 3)]);
-        let rows = [row(0), row(1), row(2), row(3)];
-        let column = |i: usize| monomials([rows[0][i], rows[1][i], rows[2][i], rows[3][i]]);
+    pub(super) fn new(origin: P4, p: &[[P4; 4]; 4]) -> Self {
+        let rows = [row(&p[0]), row(&p[1]), row(&p[2]), row(&p[3])];
         Self {
             origin: F4(origin.0),
-            coefficients: [column(0), column(1), column(2), column(3)],
+            coefficients: [
+                monomials([rows[0][0], rows[1][0], rows[2][0], rows[3][0]]),
+                monomials([rows[0][1], rows[1][1], rows[2][1], rows[3][1]]),
+                monomials([rows[0][2], rows[1][2], rows[2][2], rows[3][2]]),
+                monomials([rows[0][3], rows[1][3], rows[2][3], rows[3][3]]),
+            ],
         }
     }
 
     #[inline(always)]
     pub(super) fn curve<const ORDER: u32>(&self, v: f32) -> Curve {
         let v = F4::splat(v);
-        let at = |i: usize| horner::<ORDER>(self.coefficients[i], v);
-        let at = [at(0), at(1), at(2), at(3)];
-        let part = |k: usize| [at[0][k], at[1][k], at[2][k], at[3][k]];
+        let [a, b, c, d] = &self.coefficients;
+        let (a, b) = (horner::<ORDER>(*a, v), horner::<ORDER>(*b, v));
+        let (c, d) = (horner::<ORDER>(*c, v), horner::<ORDER>(*d, v));
         Curve {
             origin: self.origin,
-            value: part(0),
-            slope: part(1),
-            bend: part(2),
+            value: [a[0], b[0], c[0], d[0]],
+            slope: [a[1], b[1], c[1], d[1]],
+            bend: [a[2], b[2], c[2], d[2]],
         }
     }
 
@@ -194,6 +201,12 @@ impl Patch {
     /// the compiler do everything number by number.
     #[inline(never)]
     pub(super) fn jet<const ORDER: u32>(&self, u: f32, v: f32, scale: f32) -> Jet {
+        self.jet_here::<ORDER>(u, v, scale)
+    }
+
+    /// The same inlined, with the vector instructions of the caller.
+    #[inline(always)]
+    pub(super) fn jet_here<const ORDER: u32>(&self, u: f32, v: f32, scale: f32) -> Jet {
         self.curve::<ORDER>(v).at::<ORDER>(u).scaled::<ORDER>(scale)
     }
 }

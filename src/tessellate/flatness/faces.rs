@@ -1,7 +1,8 @@
 //! What every face needs: from samples of its inside, as far as they are needed.
 
-use super::cells::Samples;
+use super::edges::{Face, Lines, Own, halves};
 use super::screen::Metric;
+use super::surplus::{Square as Sampled, Surplus};
 use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
 use crate::records::{BlockSize, Grid3};
@@ -10,14 +11,16 @@ use crate::surface::{QuadPatch, Surface};
 use crate::tessellate::CHUNK;
 use crate::tessellate::blocks::{Needs, Part};
 use crate::tessellate::quadtree::{MAX_LOG, Quadtree, Shape};
-use crate::topology::NONE;
 use rayon::prelude::*;
 
 /// What a block costs beside its micro-quads, in micro-quads.
-const OVERHEAD: u32 = 8;
+const OVERHEAD: u32 = 20;
 
 /// Depth below a sampled square at which its parts are sampled on their own.
 const RESAMPLED: u32 = 3;
+
+/// Samples along the side of a face, one after the other while they do not tell enough, as powers of two.
+const LOGS: [u32; 4] = [2, 3, 4, MAX_LOG];
 
 /// Need of a square whose samples do not tell.
 const DEEPER: u32 = MAX_LOG + 1;
@@ -27,13 +30,14 @@ pub(super) fn needs(
     surface: &Surface,
     metric: &Metric<'_>,
     limits: &Limits,
+    simd: Level,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
-) -> Result<Needs, LimitError> {
+) -> Result<(Needs, Vec<Own>), LimitError> {
     let quads = surface.whole_quads();
     let faces = quads.face_count();
     let mut drawn = vec![false; faces];
     drawn.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
-        || (QuadPatch::for_level(Level::detect()), Vec::new()),
+        || (QuadPatch::for_level(simd), Vec::new()),
         |(patch, hull), (k, drawn)| {
             limits.check()?;
             for (i, drawn) in drawn.iter_mut().enumerate() {
@@ -48,22 +52,20 @@ pub(super) fn needs(
     )?;
     // An edge asks both of its faces, whichever is drawn: what is outside of the picture must not change what is inside.
     let near = |q: usize| {
-        drawn[q]
-            || quads.face_halves(q as u32).any(|h| {
-                let twin = quads.twin(h);
-                twin != NONE && drawn[quads.face_of(twin) as usize]
-            })
+        let mut sides = quads.face_halves(q as u32).flat_map(|h| halves(quads, h));
+        drawn[q] || sides.any(|h| drawn[quads.face_of(h) as usize])
     };
-    let parts = (0..faces.div_ceil(CHUNK))
+    let parts: Vec<(Part, Own)> = (0..faces.div_ceil(CHUNK))
         .into_par_iter()
         .map_init(
-            || Worker::new(surface, metric),
+            || Worker::new(surface, metric, simd),
             |worker, k| {
                 limits.check()?;
-                let mut out = Part::default();
+                let (mut out, mut own) = (Part::default(), Own::new());
                 for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
                     if near(q) {
                         worker.face(q as u32);
+                        worker.edges(&drawn, q as u32, &mut own);
                         out.nodes.extend_from_slice(&worker.tree.nodes);
                     }
                     out.ends.push(out.nodes.len() as u32);
@@ -72,13 +74,14 @@ pub(super) fn needs(
                     "the blocks of the tessellation",
                     out.nodes.len() as u128 * 12,
                 )?;
-                Ok(out)
+                Ok((out, own))
             },
         )
         .collect::<Result<_, LimitError>>()?;
+    let (parts, own) = parts.into_iter().unzip();
     let needs = Needs { drawn, parts };
     limits.memory("the blocks of the tessellation", needs.bytes() as u128)?;
-    Ok(needs)
+    Ok((needs, own))
 }
 
 /// Buffers of one thread.
@@ -91,6 +94,9 @@ struct Worker<'a> {
     points: Box<Grid3>,
     normals: Box<Grid3>,
     tree: Quadtree,
+    surplus: Surplus,
+    levels: Levels,
+    lines: Lines,
 }
 
 /// Levels below a sampled square that its parts need, depth by depth.
@@ -112,21 +118,15 @@ impl Levels {
     }
 
     /// Finds what a square of the samples needs; `cap` is what it may have.
-    fn find(
-        &mut self,
-        s: &Samples<'_>,
-        metric: &Metric<'_>,
-        cap: u32,
-        [depth, x, y]: [u32; 3],
-    ) -> u32 {
-        let need = if depth >= cap || s.excess(metric, depth, x, y) <= 1.0 {
+    fn find(&mut self, s: &Sampled, surplus: &Surplus, cap: u32, [depth, x, y]: [u32; 3]) -> u32 {
+        let need = if depth >= cap || !surplus.is_far(s, depth, [x, y]) {
             depth
         } else if depth >= s.log {
             DEEPER
         } else {
             let mut need = 0;
             for [x, y] in Self::children(s.shape, x, y) {
-                need = need.max(self.find(s, metric, cap, [depth + 1, x, y]));
+                need = need.max(self.find(s, surplus, cap, [depth + 1, x, y]));
             }
             need
         };
@@ -157,15 +157,18 @@ impl Levels {
 }
 
 impl<'a> Worker<'a> {
-    fn new(surface: &'a Surface, metric: &'a Metric<'a>) -> Self {
+    fn new(surface: &'a Surface, metric: &'a Metric<'a>, simd: Level) -> Self {
         Self {
             surface,
             metric,
-            patch: QuadPatch::for_level(Level::detect()),
+            patch: QuadPatch::for_level(simd),
             prepared: 0,
             points: Grid3::boxed(),
             normals: Grid3::boxed(),
             tree: Quadtree::new(Shape::of(surface), metric.reach.squares),
+            surplus: Surplus::new(simd),
+            levels: Levels::default(),
+            lines: Lines::default(),
         }
     }
 
@@ -173,7 +176,18 @@ impl<'a> Worker<'a> {
     fn face(&mut self, q: u32) {
         self.tree.clear();
         self.prepared = 0;
-        self.grow(q, 0, 2);
+        self.grow(q, 0, LOGS[0]);
+    }
+
+    /// Adds what the edges of face `q` ask for, which was looked at last.
+    fn edges(&mut self, drawn: &[bool], q: u32, out: &mut Own) {
+        let face = Face {
+            surface: self.surface,
+            drawn,
+            q,
+        };
+        let patch = (&mut self.patch, &mut self.prepared);
+        face.split(self.metric, &mut self.lines, &mut self.surplus, patch, out);
     }
 
     /// Samples leaf `node` by `2^log` segments and cuts it up as far as it needs.
@@ -183,7 +197,8 @@ impl<'a> Worker<'a> {
         let log = log.min(deepest - depth);
         let level = depth + log;
         if self.prepared < level {
-            self.prepared = self.metric.reach.prepared(level);
+            // Edges ask for as much.
+            self.prepared = self.metric.reach.prepared(level.max(LOGS[1].min(deepest)));
             self.patch
                 .prepare_points(self.surface, q, self.prepared, None, Sides::Normals);
         }
@@ -198,32 +213,38 @@ impl<'a> Worker<'a> {
             &mut self.points,
             Some(&mut self.normals),
         );
-        let samples = Samples {
-            points: &self.points,
-            normals: &self.normals,
+        let hides = self.hides(part);
+        self.surplus
+            .grid(self.metric, log, &mut self.points, &self.normals);
+        let last = (1 << depth) - 1;
+        let sampled = Sampled {
             log,
             shape: self.tree.nodes[node].shape(self.tree.face),
-            corners: {
-                let last = (1 << depth) - 1;
-                [[0, 0], [last, 0], [last, last], [0, last]].map(|corner| corner == place)
-            },
+            corners: [[0, 0], [last, 0], [last, last], [0, last]].map(|corner| corner == place),
         };
         let cap = self.metric.max_level.saturating_sub(depth);
-        let mut needs = Levels::default();
-        let need = needs.find(&samples, self.metric, cap, [0, 0, 0]);
+        let mut levels = std::mem::take(&mut self.levels);
+        levels.0.clear();
+        let need = levels.find(&sampled, &self.surplus, cap, [0, 0, 0]);
         // A few samples tell enough of what needs next to nothing.
-        let hides = self.hides(part);
-        if log < MAX_LOG && (need + 1 > log || hides) && depth + log < deepest {
-            return self.grow(q, node, MAX_LOG);
-        }
-        if hides && level < deepest.min(self.metric.max_level) && depth < self.tree.deepest {
-            let first = self.tree.split(node);
-            for [x, y] in Levels::children(samples.shape, 0, 0) {
-                self.grow(q, first + (x + 2 * y) as usize, MAX_LOG);
+        let more = LOGS.into_iter().find(|&l| l > log);
+        match more.filter(|_| (need + 1 > log || hides) && level < deepest) {
+            Some(more) => {
+                self.levels = levels;
+                self.grow(q, node, more);
             }
-            return;
+            None if hides && level < self.metric.max_level && depth < self.tree.deepest => {
+                self.levels = levels;
+                let first = self.tree.split(node);
+                for [x, y] in Levels::children(sampled.shape, 0, 0) {
+                    self.grow(q, first + (x + 2 * y) as usize, MAX_LOG);
+                }
+            }
+            None => {
+                self.cut(q, node, &levels, sampled.shape, [0, 0, 0]);
+                self.levels = levels;
+            }
         }
-        self.cut(q, node, &needs, samples.shape, [0, 0, 0]);
     }
 
     /// Whether the displaced surface may leave its samples unseen by more than is allowed.
@@ -253,7 +274,8 @@ impl<'a> Worker<'a> {
             self.tree.set_need(node, own + (need - depth));
             return;
         }
-        if depth >= RESAMPLED {
+        // The smallest squares are sampled as deep as can be.
+        if depth >= RESAMPLED || (smallest && depth > 0) {
             return self.grow(q, node, MAX_LOG);
         }
         let first = self.tree.split(node);

@@ -8,15 +8,16 @@
 //! 2. `edges`: every cage edge gets a binary tree of splits, once: from its own curve, and from both faces, whose triangles beside it
 //!    should not be drawn out.
 
-mod cells;
 mod edges;
 mod faces;
 mod screen;
+mod surplus;
 
 use super::{Reach, Tessellation, blocks};
 use crate::camera::View;
 use crate::dice::MAX_LEVEL;
 use crate::limits::{Budget, LimitError, Limits};
+use crate::simd::Level;
 use crate::surface::Surface;
 use screen::Metric;
 
@@ -51,8 +52,8 @@ impl Default for Flatness {
 /// A budget was reached.
 pub(crate) fn tessellate(
     surface: &Surface,
-    view: &View,
-    flatness: &Flatness,
+    (view, flatness): (&View, &Flatness),
+    simd: Level,
     limits: &Limits,
     budget: &mut Budget<'_>,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
@@ -70,8 +71,8 @@ pub(crate) fn tessellate(
             squares: surface.table_depth(level).unwrap_or(MAX_LEVEL),
         };
         let metric = Metric::new(view, flatness, reach);
-        let needs = faces::needs(surface, &metric, limits, &is_drawn)?;
-        let trees = edges::trees(surface, &metric, &needs, limits)?;
+        let (needs, own) = faces::needs(surface, &metric, limits, simd, &is_drawn)?;
+        let trees = edges::trees(surface, &needs, own, limits)?;
         // What is needed is measured on the tables, two levels deeper.
         let deepest = needs.deepest().max(trees.deepest());
         if reach.always && level < most && deepest + 1 >= level {

@@ -2,11 +2,11 @@
 
 use super::Flatness;
 use crate::camera::View;
-use crate::math;
 use crate::tessellate::Reach;
 
-/// What the tests leave of the tolerance to what they do not see: samples are a quarter of a cell apart, and a moved point stretches a triangle.
-const SHARE: f32 = 0.65;
+/// What the tests leave of the tolerance to what they do not see: inside of a triangle it may be a third further away than along its
+/// sides, and a moved point stretches a triangle.
+const SHARE: f32 = 0.75;
 /// The same of the tolerance of normals.
 const NORMAL_SHARE: f32 = 0.85;
 
@@ -14,16 +14,33 @@ const NORMAL_SHARE: f32 = 0.85;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Metric<'a> {
     view: &'a View,
-    /// Square of the tolerance.
+    /// Per pixel that is allowed.
     pixels: f32,
-    /// Square of the largest chord between unit normals.
+    /// Per largest chord between unit normals.
     chord: f32,
     pub(super) max_level: u32,
     pub(super) reach: Reach,
 }
 
-/// How far something is from what is allowed: above 1 it is too far.
-pub(super) type Excess = f32;
+/// Where points are for the eye: to the right, up, and away from it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    eye: [f32; 3],
+    axes: [[f32; 3]; 3],
+}
+
+impl Seen {
+    #[inline(always)]
+    pub(super) fn point(&self, p: [f32; 3]) -> [f32; 3] {
+        let (x, y, z) = (p[0] - self.eye[0], p[1] - self.eye[1], p[2] - self.eye[2]);
+        let along = |a: [f32; 3]| (a[0] * x + a[1] * y) + a[2] * z;
+        [
+            along(self.axes[0]),
+            along(self.axes[1]),
+            along(self.axes[2]),
+        ]
+    }
+}
 
 impl<'a> Metric<'a> {
     pub(super) fn new(view: &'a View, flatness: &Flatness, reach: Reach) -> Self {
@@ -32,80 +49,89 @@ impl<'a> Metric<'a> {
             2.0 * libm::sinf(flatness.degrees.clamp(0.01, 180.0).to_radians() * 0.5 * NORMAL_SHARE);
         Self {
             view,
-            pixels: pixels * pixels,
-            chord: chord * chord,
+            pixels: 1.0 / pixels,
+            chord: 1.0 / chord,
             max_level: flatness.max_level.min(reach.level),
             reach,
         }
     }
 
-    /// Distance along the view axis; what is nearer than the near plane is as far behind it (Bunnell), so that surfaces through the plane
-    /// are refined and not for ever.
+    pub(super) fn seen(&self) -> Seen {
+        let v = self.view;
+        Seen {
+            eye: v.eye,
+            axes: [v.right, v.up, v.forward],
+        }
+    }
+
+    /// Distance along the view axis; what is nearer than the near plane is as far behind it.
     #[inline(always)]
     pub(super) fn depth(&self, p: [f32; 3]) -> f32 {
         let near = self.view.near;
         near + (self.view.distance(p) - near).abs()
     }
 
-    /// Square of the distance in pixels between `p`, and `q` close to it.
-    #[inline(always)]
-    pub(super) fn square(&self, p: [f32; 3], q: [f32; 3]) -> f32 {
-        let v = self.view;
-        let e = math::sub(p, q);
-        let (x, y) = (math::dot(v.right, e), math::dot(v.up, e));
-        if v.projection.ortho {
-            return (x * x + y * y) * (v.scale * v.scale);
-        }
-        let (zp, zq) = (self.depth(p), self.depth(q));
-        // (xp / zp − xq / zq) = (e − xq / zq · (zp − zq)) / zp, without the difference of two large numbers.
-        let from = math::sub(q, v.eye);
-        let step = (zp - zq) / zq;
-        let (x, y) = (
-            x - math::dot(v.right, from) * step,
-            y - math::dot(v.up, from) * step,
-        );
-        let scale = v.scale / zp;
-        (x * x + y * y) * (scale * scale)
-    }
-
-    /// Of a point of the surface and its triangle's, in a cell whose nearest point is at depth `nearest`: between its samples it may come as
-    /// near as that.
-    #[inline(always)]
-    pub(super) fn point(&self, p: [f32; 3], q: [f32; 3], nearest: f32) -> Excess {
-        let closer = if self.view.projection.ortho {
-            1.0
-        } else {
-            self.depth(p) / nearest
-        };
-        self.square(p, q) * (closer * closer) / self.pixels
-    }
-
-    /// Of a height that may stand anywhere on a surface whose nearest point is at depth `nearest`.
-    pub(super) fn height(&self, height: f32, nearest: f32) -> Excess {
+    /// Of a height that may stand anywhere on a surface whose nearest point is at depth `nearest`, by what is allowed.
+    pub(super) fn height(&self, height: f32, nearest: f32) -> f32 {
         let pixels = match self.view.projection.ortho {
             true => height * self.view.scale,
             false => height * self.view.scale / nearest,
         };
-        pixels * pixels / self.pixels
+        pixels * self.pixels
     }
 
-    /// Of a unit normal of the surface, and the sum of its triangle's.
+    /// Of `n` points `of[0]` and the ends `of[1]`, `of[2]` of their edges, each as the eye sees it and with its unit normal: how far the point
+    /// is from the edge's middle, and its normal from what the ends' make there, by what is allowed; and the edge's length in pixels.
+    ///
+    /// What is nearer than the near plane is as far behind it (Bunnell), so that surfaces through the plane are refined and not for ever.
     #[inline(always)]
-    pub(super) fn normal(&self, n: [f32; 3], sum: [f32; 3]) -> Excess {
-        let length = math::dot(sum, sum);
-        if length < 1e-12 {
-            return 2.0;
+    pub(super) fn surpluses(&self, n: usize, of: &[[Vec<f32>; 6]; 3], found: &mut [Vec<f32>; 3]) {
+        let (near, scale, ortho) = (self.view.near, self.view.scale, self.view.projection.ortho);
+        let [far, bend, length] = found;
+        let (far, bend, length) = (&mut far[..n], &mut bend[..n], &mut length[..n]);
+        let [p, a, b] = of;
+        let (px, py, pz) = (&p[0][..n], &p[1][..n], &p[2][..n]);
+        let (ax, ay, az) = (&a[0][..n], &a[1][..n], &a[2][..n]);
+        let (bx, by, bz) = (&b[0][..n], &b[1][..n], &b[2][..n]);
+        for i in 0..n {
+            let (mx, my) = ((ax[i] + bx[i]) * 0.5, (ay[i] + by[i]) * 0.5);
+            let (ex, ey) = (px[i] - mx, py[i] - my);
+            let (lx, ly) = (bx[i] - ax[i], by[i] - ay[i]);
+            let depth = |z: f32| near + (z - near).abs();
+            let (zp, za, zb) = (depth(pz[i]), depth(az[i]), depth(bz[i]));
+            let zm = depth((az[i] + bz[i]) * 0.5);
+            // (xp / zp − xm / zm) = (e − xm / zm · (zp − zm)) / zp, without the difference of two large numbers.
+            let (off, run) = ((zp - zm) / zm, (zb - za) / za);
+            let (off, run) = if ortho { (0.0, 0.0) } else { (off, run) };
+            // Between samples the surface may come as near as its nearest one.
+            let close = if ortho {
+                scale
+            } else {
+                scale / zp.min(za).min(zb)
+            };
+            let (ex, ey) = (ex - mx * off, ey - my * off);
+            let (lx, ly) = (lx - ax[i] * run, ly - ay[i] * run);
+            far[i] = (ex * ex + ey * ey).sqrt() * (close * self.pixels);
+            length[i] = (lx * lx + ly * ly).sqrt() * close;
         }
-        let m = math::scale(sum, 1.0 / length.sqrt());
-        let e = math::sub(n, m);
-        math::dot(e, e) / self.chord
-    }
-
-    /// Whether something between these points is too small to have normals of its own.
-    #[inline(always)]
-    pub(super) fn is_dot(&self, corners: &[[f32; 3]]) -> bool {
-        /// Square of the size in pixels.
-        const DOT: f32 = 1.0;
-        corners.iter().all(|&p| self.square(p, corners[0]) <= DOT)
+        let (px, py, pz) = (&p[3][..n], &p[4][..n], &p[5][..n]);
+        let (ax, ay, az) = (&a[3][..n], &a[4][..n], &a[5][..n]);
+        let (bx, by, bz) = (&b[3][..n], &b[4][..n], &b[5][..n]);
+        for i in 0..n {
+            let (x, y, z) = (ax[i] + bx[i], ay[i] + by[i], az[i] + bz[i]);
+            let square = (x * x + y * y) + z * z;
+            // Where opposite normals meet, all is too far.
+            let inverse = if square < 1e-12 {
+                0.0
+            } else {
+                1.0 / square.sqrt()
+            };
+            let (x, y, z) = (
+                px[i] - x * inverse,
+                py[i] - y * inverse,
+                pz[i] - z * inverse,
+            );
+            bend[i] = ((x * x + y * y) + z * z).sqrt() * self.chord;
+        }
     }
 }

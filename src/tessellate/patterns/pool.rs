@@ -160,7 +160,9 @@ fn blocks(key: Key, depth: u32, limits: &Limits) -> Result<Vec<PatternBlock>, Li
     let mut lists: Vec<List> = vec![List::default(); count * count];
     let is_grid = |b: usize| numbers[b] as usize == whole(b);
     let mut wide = Wide::default();
-    let mixed = (0..count * count).any(|b| !is_grid(b) && (!triangular || b / count <= b % count));
+    // Above the diagonal of a triangle there is nothing.
+    let is_void = |b: usize| triangular && b / count > b % count;
+    let mixed = (0..count * count).any(|b| !is_grid(b) && !is_void(b));
     if mixed {
         for t in on_grid(key) {
             match block_of(&t, log, count) {
@@ -175,6 +177,9 @@ fn blocks(key: Key, depth: u32, limits: &Limits) -> Result<Vec<PatternBlock>, Li
         }
     }
     for (b, list) in lists.into_iter().enumerate() {
+        if is_void(b) {
+            continue;
+        }
         let list = match is_grid(b) {
             true => None,
             false if list.triangles.is_empty() => continue,

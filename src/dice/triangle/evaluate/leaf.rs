@@ -5,24 +5,26 @@ use super::super::patch::TriangleChannel;
 use super::super::ring::is_regular;
 use crate::dice::evaluate::Leaf;
 
-/// Follows the control levels below `face` down to the patch at (`u`, `v`). `None` where the triangle itself is the patch.
+/// Follows the control levels below `face` down to the patch at (`u`, `v`). `None` where the triangle itself is the patch. `whole` where the
+/// face is one of the surface; else it is a part of one, whose corners are places as any other.
 pub(crate) fn leaf(
     below: &impl DescendTriangles,
     face: u32,
     u: f32,
     v: f32,
+    whole: bool,
 ) -> Option<Leaf<TriangleChannel<'_>>> {
     let root = below.at(0)?;
     root.first_child(face)?;
     // Sums that are 1 only after rounding lie on the side. What is subtracted from 1 is at least a half, so differences are exact.
     let [u, v] = match (u >= 0.5, v >= 0.5) {
-        (true, _) => [u, v.min(1.0 - u)],
-        (_, true) => [u.min(1.0 - v), v],
+        (true, _) if whole => [u, v.min(1.0 - u)],
+        (_, true) if whole => [u.min(1.0 - v), v],
         _ => [u, v],
     };
     const CORNERS: [[f32; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let corner = |at: [f32; 2]| CORNERS.iter().position(|&c| c == at);
-    let mut tip = corner([u, v]);
+    let mut tip = corner([u, v]).filter(|_| whole);
     if let Some(c) = tip {
         let h = 3 * face + c as u32;
         if !root.features[root.whole.vertex(h) as usize] {
