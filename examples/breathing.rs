@@ -53,6 +53,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let name = format!("breathing_{frame:04}.png");
         files::write_atomic(&folder.join(name), &png::encode(&image)?)?;
     }
-    println!("{frames} frames");
     Ok(())
 }

@@ -28,11 +28,11 @@ fn main() -> Done {
     };
 
     let mut terrain = Scene::of(Surface::new(coarse()?, &Default::default()));
-    let ridges: Function = "ridged:frequency=0.3,octaves=7,seed=4".parse()?;
+    let ridges: Function = "ridged:frequency=0.3,octaves=7,gain=0.42,seed=4".parse()?;
     terrain.objects[0]
         .surface
         .set_displacement(Some(Displacement::function(ridges).scaled(0.8)));
-    let camera = Camera::default().with_orbit(30.0, 30.0).with_zoom(1.9);
+    let camera = Camera::default().with_orbit(30.0, 30.0).with_zoom(1.45);
     save("terrain.png", &draw(&terrain, &camera, size, 6)?)?;
 
     let mut loader = Loader::new(LoadOptions::default());

@@ -78,6 +78,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let name = format!("lattice_{frame:04}.png");
         files::write_atomic(&folder.join(name), &png::encode(&image)?)?;
     }
-    println!("{frames} frames");
     Ok(())
 }
