@@ -34,6 +34,7 @@ pub struct Stencils {
     pub weights: Vec<f32>,
     /// Weights of two tangents of the limit surface over the same entries; those of a row sum to 0. The tangents span the tangent plane of
     /// the point's first sector, and their cross product points outward but at reflex corners; their lengths mean nothing. Empty without limits.
+    /// Interpolating schemes: at a border of more than 16 faces there is no mask, and the second tangent is a mean of the edges.
     pub tangents: [Vec<f32>; 2],
 }
 

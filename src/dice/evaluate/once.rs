@@ -175,7 +175,7 @@ impl Star {
         let n = self.n as i32;
         let i = if i < 0 { i + n } else { i };
         let i = if i >= n { i - n } else { i };
-        2 * i as usize & (2 * MOST - 1)
+        (2 * i as usize) & (2 * MOST - 1)
     }
 
     /// The face point of sector `i`.

@@ -126,13 +126,20 @@ impl Tangents {
         let count = sector.halves.len();
         let edges = if sector.closed { count } else { count + 1 };
         let straight = edges + if quads { 0 } else { count };
-        let basis = match (sector.closed, sheets.runs_through(start)) {
-            (true, _) => closed(masks, count as u32, &ring, &x),
-            (false, true) => open(masks, count as u32, &ring, &x, straight),
+        // Not by the flat star: where it is flatter than flat, at a border of one face, its lengths are none.
+        let found = match (sector.closed, sheets.runs_through(start)) {
+            (true, _) => masks.closed(count as u32, &ring, &x),
+            (false, true) => {
+                let (p, q) = (&ring[0], &ring[count]);
+                let (far_p, far_q) = (&ring[straight], &ring[straight + count]);
+                let along = |k: usize| 8.0 * (p[k] - q[k]) - (far_p[k] - far_q[k]);
+                let inward = masks.across(count as u32, &ring, &x);
+                inward.map(|inward| [[0, 1, 2].map(along), inward])
+            }
             (false, false) => None,
         };
-        if let Some(basis) = basis {
-            return [basis.first, basis.second];
+        if let Some(pair) = found {
+            return pair;
         }
         // Rows that end go on as their mirror images. At the end of a crease they are one row: the other tangent is across it.
         let row = |i: usize| {
@@ -141,12 +148,16 @@ impl Tangents {
             [0, 1, 2].map(|k| 8.0 * near[k] - far[k])
         };
         let last = sector.halves[count - 1];
-        if t.twin(start) != t.prev(last) {
-            return [row(0), row(count)];
-        }
+        let is_round = sector.closed || t.twin(start) == t.prev(last);
+        let turn = match (is_round, sheets.runs_through(start)) {
+            (true, _) => 2.0 * PI,
+            // A border with more faces than there are masks for.
+            (false, true) => PI,
+            (false, false) => return [row(0), row(count)],
+        };
         let mut across = [0.0; 3];
         for (i, p) in ring[..count].iter().enumerate() {
-            let angle = 2.0 * PI * i as f64 / count as f64;
+            let angle = turn * i as f64 / count as f64;
             add_scaled(&mut across, libm::sin(angle), &minus(p, &x));
         }
         [row(0), across]
