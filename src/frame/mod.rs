@@ -440,8 +440,13 @@ impl Renderer {
             let limits = &self.limits;
             let found = match self.refinement {
                 Refinement::Adaptive(flatness) => {
+                    // Interpolating surfaces are refined as a whole for deep levels: no deeper than edges of about a pixel.
+                    let most = match surface.has_tables() {
+                        true => flatness.max_level.min(*level + 2),
+                        false => flatness.max_level,
+                    };
                     let wanted = Flatness {
-                        max_level: flatness.max_level.saturating_sub(split),
+                        max_level: most.saturating_sub(split),
                         ..flatness
                     };
                     let (simd, seen) = (self.simd, (view, &wanted));

@@ -44,7 +44,11 @@ pub(super) fn needs(
                 let q = (k * CHUNK + i) as u32;
                 hull.clear();
                 patch.prepare_points(surface, q, metric.reach.level, None, Sides::Hull);
-                patch.hull(|p| hull.push(p));
+                if metric.reach.always {
+                    table_box(&patch, metric.reach.level, hull);
+                } else {
+                    patch.hull(|p| hull.push(p));
+                }
                 *drawn = is_drawn(q, hull);
             }
             Ok(())
@@ -82,6 +86,30 @@ pub(super) fn needs(
     let needs = Needs { drawn, parts };
     limits.memory("the blocks of the tessellation", needs.bytes() as u128)?;
     Ok((needs, own))
+}
+
+/// The corners of a box that holds a face of tables: that of a few of its points, with room for those between. All of its points would take
+/// longer than drawing them.
+fn table_box(patch: &QuadPatch, reach: u32, out: &mut Vec<[f32; 3]>) {
+    const FEW: u32 = 3;
+    const ROOM: f32 = 0.25;
+    let level = reach.min(FEW);
+    let whole = Square {
+        level,
+        start: [0; 2],
+        segments: 1 << level,
+    };
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    patch.part_hull(whole, |p| {
+        low = [0, 1, 2].map(|k| low[k].min(p[k]));
+        high = [0, 1, 2].map(|k| high[k].max(p[k]));
+    });
+    let room = [0, 1, 2].map(|k| ROOM * (high[k] - low[k]));
+    let corner = |c: u32, k: usize| match c >> k & 1 {
+        0 => low[k] - room[k],
+        _ => high[k] + room[k],
+    };
+    out.extend((0..8).map(|c| [0, 1, 2].map(|k| corner(c, k))));
 }
 
 /// Buffers of one thread.
