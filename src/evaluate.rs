@@ -60,6 +60,7 @@ use crate::surface::Surface;
 use rayon::prelude::*;
 
 mod batch;
+mod channel;
 mod face;
 mod locate;
 mod one_face;
@@ -70,6 +71,7 @@ mod table;
 mod tests;
 
 use batch::{Batch, CHUNK};
+pub use channel::{ChannelKind, ChannelSurface};
 pub use face::FaceEvaluator;
 use locate::Source;
 use patches::Patches;

@@ -41,6 +41,7 @@
 //! * Surfaces are opaque: opacity cuts out at one half. One set of studio lights, no shadows.
 //! * Pictures are at most 16383 pixels wide and high.
 
+pub mod bake;
 pub mod camera;
 pub mod compare;
 pub(crate) mod control;

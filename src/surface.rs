@@ -2,6 +2,7 @@
 
 mod diced;
 mod displaced;
+mod export;
 mod jets;
 mod mesh;
 mod patch;
@@ -579,6 +580,10 @@ impl Surface {
     #[must_use]
     pub fn is_triangular(&self) -> bool {
         self.triangles
+    }
+    /// How the cage was read.
+    pub(crate) fn options(&self) -> &SurfaceOptions {
+        &self.options
     }
     /// The scheme it is subdivided by.
     #[must_use]

@@ -4,11 +4,18 @@ mod common;
 #[path = "common/coverage.rs"]
 mod coverage;
 
+#[path = "adaptive/measured.rs"]
+mod measured;
+
 use earmark::frame::Refinement;
 use earmark::frame::coverage::CoverageFault;
+use earmark::frame::deviation::DrawnBlock;
 use earmark::scheme::Scheme;
+use earmark::simd::Level;
 use earmark::tessellate::Flatness;
-use earmark::{Cage, Scene, Surface, SurfaceOptions};
+use earmark::{Cage, Camera, Renderer, Scene, Surface, SurfaceOptions};
+use std::cmp::Ordering;
+use std::collections::HashMap;
 
 /// A closed torus of `4 n` by `n` quads, or twice as many triangles, one side flat. With infinite creases around, a dart, and some that fade
 /// if `creased`.
@@ -68,6 +75,90 @@ fn tori() -> Vec<(String, Scene)> {
         .into()
 }
 
+fn adaptive(side: u32, pixels: f32, degrees: f32) -> Renderer {
+    let mut renderer = coverage::renderer(side, 0);
+    renderer.refinement = Refinement::Adaptive(Flatness {
+        pixels,
+        degrees,
+        ..Flatness::default()
+    });
+    renderer
+}
+
+/// Edges of micro-triangles that are not run through as often one way as the other, ends told by their bits.
+fn open_edges(blocks: &[DrawnBlock]) -> usize {
+    let mut sums: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
+    for block in blocks {
+        let bits = |k: usize| block.points[k].map(|c| (c + 0.0).to_bits());
+        for t in block.triangles() {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                let (a, b) = (bits(a), bits(b));
+                match a.cmp(&b) {
+                    Ordering::Less => *sums.entry([a, b]).or_default() += 1,
+                    Ordering::Greater => *sums.entry([b, a]).or_default() -= 1,
+                    Ordering::Equal => {}
+                }
+            }
+        }
+    }
+    sums.values().filter(|&&sum| sum != 0).count()
+}
+
+#[test]
+fn closed_models_are_closed_bit_for_bit() {
+    let mut scenes = tori();
+    for path in common::models(&common::assets()) {
+        scenes.push((common::name(&path), common::load(&path)));
+    }
+    scenes.retain(|(_, scene)| common::is_closed(&scene.objects[0].surface));
+    let (mut triangles, mut levels) = (0, [0; 11]);
+    for (name, scene) in &scenes {
+        for pixels in [0.1, 0.5, 2.0, 10.0] {
+            let renderer = adaptive(200, pixels, 30.0 * pixels);
+            // Nearer on one side than on the other.
+            let camera = Camera::default().with_fov(60.0);
+            let view = camera
+                .framing(&scene.bounding_sphere(), renderer.size)
+                .unwrap();
+            let blocks = renderer.drawn_blocks(scene, &view).unwrap();
+            assert_eq!(open_edges(&blocks), 0, "{name} at {pixels} pixels");
+            triangles += blocks.iter().map(|b| b.triangles().count()).sum::<usize>();
+            blocks.iter().for_each(|b| levels[b.level as usize] += 1);
+        }
+    }
+    println!("adaptive: closed, {triangles} triangles, blocks by level {levels:?}");
+    assert!(levels.iter().filter(|&&n| n > 20).count() > 4);
+}
+
+#[test]
+fn threads_and_vectors_do_not_change_a_byte() {
+    let scenes = [
+        common::load(&common::assets().join("creature.obj")),
+        torus(6, Scheme::Loop, true),
+        torus(6, Scheme::Butterfly, false),
+    ];
+    for (k, scene) in scenes.iter().enumerate() {
+        let draw = |threads: usize, simd: Level| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let mut renderer = Renderer::new(300, 300);
+            assert!(matches!(renderer.refinement, Refinement::Adaptive(f) if f.pixels == 0.5));
+            renderer.simd = simd;
+            let frame = || renderer.render(scene, &Camera::default()).unwrap();
+            pool.build().unwrap().install(frame).image
+        };
+        let first = draw(1, Level::SCALAR);
+        for threads in [2, 8] {
+            assert!(
+                first == draw(threads, Level::detect()),
+                "scene {k} on {threads} threads"
+            );
+        }
+        for simd in Level::available() {
+            assert!(first == draw(2, simd), "scene {k} by {}", simd.name());
+        }
+    }
+}
+
 #[test]
 fn closed_models_have_as_many_fronts_as_backs_at_every_tolerance() {
     let (mut samples, mut covered, mut triangles) = (0, 0, 0);
@@ -76,17 +167,9 @@ fn closed_models_have_as_many_fronts_as_backs_at_every_tolerance() {
         scenes.push((path.display().to_string(), common::load(&path)));
     }
     scenes.retain(|(_, scene)| common::is_closed(&scene.objects[0].surface));
-    if let Ok(only) = std::env::var("ONLY") {
-        scenes.retain(|(name, _)| name.contains(&only));
-    }
     for (name, scene) in &scenes {
         for pixels in [0.05, 0.25, 1.0, 4.0, 30.0] {
-            let mut renderer = coverage::renderer(160, 0);
-            renderer.refinement = Refinement::Adaptive(Flatness {
-                pixels,
-                degrees: 20.0 * pixels,
-                ..Flatness::default()
-            });
+            let renderer = adaptive(160, pixels, 20.0 * pixels);
             for view in coverage::views(scene, &renderer, 6, 7) {
                 let c = renderer
                     .signed_coverage(scene, &view, CoverageFault::None)
@@ -116,11 +199,7 @@ fn triangles_are_as_close_to_the_surface_as_asked_for() {
     }
     for (name, scene) in &scenes {
         for pixels in [0.25, 1.0] {
-            let mut renderer = coverage::renderer(512, 0);
-            renderer.refinement = Refinement::Adaptive(Flatness {
-                pixels,
-                ..Flatness::default()
-            });
+            let renderer = adaptive(512, pixels, 3.0);
             for view in coverage::views(scene, &renderer, 3, 11) {
                 let d = renderer.deviation(scene, &view, 2).unwrap();
                 let what = format!("{name} at {pixels} pixels: {d:?}");

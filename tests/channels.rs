@@ -3,11 +3,12 @@
 
 mod support;
 
-use earmark::Cage;
+use earmark::evaluate::ChannelKind;
 use earmark::mesh::{FaceVaryingChannel, UniformValues};
 use earmark::refine::{Level, Options, Timings, limit, refine};
 use earmark::scheme::{Boundary, FaceVaryingRule, Scheme};
 use earmark::topology::{ConnectOptions, Topology, connect};
+use earmark::{Cage, Surface, SurfaceOptions};
 use support::random_cages::{COUNT, random_cage};
 use support::{all_shapes, assert_close, base_level, refined};
 
@@ -115,6 +116,104 @@ fn channels_go_by_the_rules_of_points_and_texture_coordinates() {
             }
         }
     }
+}
+
+/// At any place a channel has what points and texture coordinates of the same numbers have, and at corners the limits of the whole mesh.
+#[test]
+fn channels_are_found_at_any_place() {
+    let mut compared = 0;
+    for index in [0, 7, 50, 111, 200] {
+        let cage = random_cage(index);
+        let shape = &cage.shape;
+        let faces = shape.faces() as u32;
+        let flat = shape.points.iter();
+        let flat = flat.flat_map(|p| [p[0], p[1], p[2], p[1]].map(|c| c as f32));
+        let uvs: Vec<f32> = (shape.uvs.iter())
+            .flat_map(|p| [p[1], p[0], p[1]].map(|c| c as f32))
+            .collect();
+        let built = Cage::builder()
+            .points(shape.points.iter().map(|p| p.map(|c| c as f32)))
+            .faces(
+                shape.face_offsets.windows(2).map(|w| w[1] - w[0]),
+                shape.corners.iter().copied(),
+            )
+            .creases(shape.creases.iter().copied())
+            .uvs(
+                shape.uvs.iter().map(|p| p.map(|c| c as f32)),
+                shape.corner_uvs.iter().copied(),
+            )
+            .vertex_channel("four", 4, flat)
+            .face_varying("three", 3, uvs.clone(), shape.corner_uvs.iter().copied())
+            .face_varying_channel(FaceVaryingChannel {
+                name: "linear".into(),
+                width: 1,
+                values: shape.uvs.iter().map(|p| p[0] as f32).collect(),
+                corners: shape.corner_uvs.clone(),
+                rule: Some(FaceVaryingRule::All),
+            })
+            .face_channel("pair", 2, (0..2 * faces).map(|k| k as f32))
+            .face_ids("id", 0..faces)
+            .build()
+            .unwrap();
+        let options = SurfaceOptions {
+            scheme: Some(Scheme::CatmullClark),
+            ..SurfaceOptions::default()
+        };
+        let surface = Surface::new(built.clone(), &options);
+        let channel = |kind, name| surface.named_channel(kind, name).unwrap();
+        let four = channel(ChannelKind::Vertex, "four");
+        let three = channel(ChannelKind::FaceVarying, "three");
+        let linear = channel(ChannelKind::FaceVarying, "linear");
+        let pair = channel(ChannelKind::Uniform, "pair");
+        assert!(surface.named_channel(ChannelKind::Uniform, "id").is_none());
+        assert!(
+            surface
+                .named_channel(ChannelKind::Vertex, "three")
+                .is_none()
+        );
+        assert_eq!([four.width(), three.width(), pair.width()], [4, 3, 2]);
+
+        let base = Level::<f64>::of_cage(
+            &built,
+            topology(&built, Boundary::EdgeAndCorner),
+            Scheme::CatmullClark,
+            FaceVaryingRule::CornersPlus1,
+        )
+        .unwrap();
+        let limits = limit(&base, &Options::default());
+        let t = &base.topology;
+        for f in 0..faces {
+            let mut face = surface.face_evaluator(f).unwrap();
+            for (u, v) in [(0.2, 0.7), (0.5, 0.0), (0.75, 0.5), (1e-3, 0.999)] {
+                let [x, y, z] = surface.evaluate_as::<[f32; 3]>(f, u, v).unwrap();
+                assert_eq!(four.at(f, u, v), Some([x, y, z, y]));
+                let [a, b] = face.uv(u, v).unwrap();
+                assert_eq!(three.at(f, u, v), Some([b, a, b, 0.0]));
+                let of_face = [2 * f, 2 * f + 1].map(|k| k as f32);
+                assert_eq!(pair.at(f, u, v), Some([of_face[0], of_face[1], 0.0, 0.0]));
+            }
+            assert!(pair.at(f, -0.5, 0.5).is_none() && four.at(faces, 0.5, 0.5).is_none());
+            let halves = t.face_halves(f);
+            for (k, h) in halves.clone().enumerate() {
+                let (u, v) = match halves.len() {
+                    4 => [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)][k],
+                    _ => (k as f32, 0.0),
+                };
+                for (found, name) in [(&three, "three"), (&linear, "linear")] {
+                    let all = &limits.channels.face_varying;
+                    let all = all.iter().find(|c| c.name == name).unwrap();
+                    let value = all.corners()[h as usize] as usize;
+                    let got = found.at(f, u, v).unwrap();
+                    for (got, want) in got.iter().zip(all.value(value)) {
+                        let error = (f64::from(*got) - want).abs();
+                        assert!(error < 2e-6, "{name} of {index}, {f} {k}: {got} {want}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared > 500, "{compared}");
 }
 
 /// The limit of a value is the same from every level.

@@ -10,6 +10,10 @@ mod common;
 mod coverage;
 #[path = "displace/normals.rs"]
 mod normals;
+#[path = "displace/refined.rs"]
+mod refined;
+#[path = "displace/relief.rs"]
+mod relief;
 #[path = "displace/seams.rs"]
 mod seams;
 

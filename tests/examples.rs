@@ -79,3 +79,26 @@ fn contact_sheet_draws_a_folder() {
     assert_eq!(&bytes[16..20], &128_u32.to_be_bytes());
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn animations_and_displacement_write_their_pictures() {
+    let folder = std::env::temp_dir().join(format!("earmark-frames-{}", std::process::id()));
+    let at = folder.to_str().unwrap();
+    for name in ["breathing", "lattice"] {
+        output(name, &[at, "3", "64"]);
+        let frame = |k: u32| std::fs::read(folder.join(format!("{name}_{k:04}.png"))).unwrap();
+        assert!(frame(0).starts_with(b"\x89PNG") && frame(0) != frame(1) && frame(1) != frame(2));
+    }
+    output("displacement", &[at, "64"]);
+    for name in [
+        "terrain",
+        "displaced_creature",
+        "normal_map",
+        "ball_displaced",
+        "ball_mapped",
+    ] {
+        let bytes = std::fs::read(folder.join(name).with_extension("png")).unwrap();
+        assert!(bytes.starts_with(b"\x89PNG"), "{name}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}

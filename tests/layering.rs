@@ -32,15 +32,27 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "displace",
+        &["math", "simd", "records", "texture", "dispatch"],
+    ),
+    (
+        "bake",
+        &[
+            "math", "simd", "records", "texture", "dice", "displace", "surface",
+        ],
+    ),
+    (
         "surface",
         &[
-            "patch", "math", "simd", "records", "limits", "scheme", "topology", "mesh", "refine",
-            "dice", "control", "Cage", "Surface",
+            "displace", "patch", "math", "simd", "records", "limits", "scheme", "topology", "mesh",
+            "refine", "dice", "control", "Cage", "Surface",
         ],
     ),
     (
         "evaluate",
-        &["math", "control", "dice", "surface", "Surface"],
+        &[
+            "math", "mesh", "control", "dice", "surface", "Cage", "Surface",
+        ],
     ),
     (
         "distance",
@@ -73,9 +85,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "tessellate",
             "patch",
+            "displace",
             "evaluate",
             "math",
             "simd",
+            "dispatch",
             "records",
             "limits",
             "scheme",

@@ -282,6 +282,8 @@ impl Ready {
     fn new(job: &Job, a: &Arguments, row: &Frame) -> Result<Self, Failure> {
         let cage = row.model.cage()?;
         let points = cage.points().to_vec();
+        // Tags do not know of displacement, so their number is found without.
+        let plain = Scene::of(Surface::new(cage.clone(), &SurfaceOptions::default()));
         let scene = Scene::of(row.kind.surface(cage)?);
         let mut renderer = a.picture.renderer(&a.level);
         renderer.size.samples = 1;
@@ -296,23 +298,17 @@ impl Ready {
         let warm = renderer.render(&scene, &camera)?;
         let (view, mut stats) = (warm.view, warm.stats);
         if let Some(wanted) = row.depth.wanted() {
-            // Counts fall in steps as pieces grow; the nearest that halving the range finds.
+            // Counts fall about with the square of the pieces, in steps; the nearest that is met.
             let off = |n: u64| (n.max(1) as f64 / wanted as f64).ln().abs();
-            let (mut low, mut high) = (-10.0_f32, 6.0_f32);
-            let mut best = (f64::INFINITY, renderer.refinement);
-            for _ in 0..12 {
-                let middle = (low + high) / 2.0;
-                renderer.refinement = row.depth.refinement(libm::exp2f(middle));
-                stats = renderer.render_view(&scene, &view)?.stats;
-                let count = stats.microtriangles;
+            let (mut scale, mut best) = (1.0_f32, (f64::INFINITY, renderer.refinement));
+            for _ in 0..8 {
+                renderer.refinement = row.depth.refinement(scale);
+                let found = renderer.render_view(&plain, &view)?;
+                let count = found.stats.microtriangles;
                 if off(count) < best.0 {
                     best = (off(count), renderer.refinement);
                 }
-                if count > wanted {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
+                scale *= (count as f32 / wanted as f32).sqrt().clamp(0.5, 2.0);
             }
             renderer.refinement = best.1;
             stats = renderer.render_view(&scene, &view)?.stats;

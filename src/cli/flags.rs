@@ -245,12 +245,16 @@ pub(crate) struct LevelFlags {
     /// # begins a comment [default: 1; at corners tagged with sharpness S, 1 − S/10]
     #[arg(long, value_name = "FILE")]
     pub(crate) pn_tags: Option<PathBuf>,
-    /// Uniform level of refinement, 0 to 10 [default: per model, from the length of its edges in pixels]
+    /// Uniform level of refinement, 0 to 10 [default: as fine as --adaptive says; where it is not the limit that is drawn, per model, from
+    /// the length of its edges in pixels]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: Option<u32>,
-    /// Largest distance of triangles from the limit surface on the screen, in pixels; edge by edge and block by block; on Catmull-Clark and bilinear surfaces
+    /// Largest distance of triangles from the surface on the screen, in pixels; edge by edge and block by block [default: 0.5]
     #[arg(long, value_name = "PX", value_parser = parse_flatness, conflicts_with = "level")]
     pub(crate) adaptive: Option<f32>,
+    /// Highest level that is chosen without --level, 0 to 10
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
+    pub(crate) max_level: u32,
     /// Depth of refinement at every vertex of the cage, 0 to 10, that of an edge being the mean of its two: `distance` (edges of 5 pixels),
     /// `curvature` (normals turn by 4 degrees along an edge), `distance+curvature` (the lesser of the two), or a file of integers, one per
     /// vertex in the model's order, with white space between them and comments from # on; --max-level does not matter
@@ -259,9 +263,6 @@ pub(crate) struct LevelFlags {
     /// With --depth-tags: how triangles join edges of unequal depths [default: grids whose points beside a coarser edge are moved to its own]
     #[arg(long, value_enum, requires = "depth_tags")]
     pub(crate) pattern: Option<Pattern>,
-    /// Highest level that is chosen without --level, 0 to 10
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
-    pub(crate) max_level: u32,
 }
 
 impl LevelFlags {
@@ -292,14 +293,13 @@ impl LevelFlags {
                 ..tags.unwrap_or(DepthTags::GIVEN)
             });
         }
-        match (self.level, self.adaptive) {
-            (Some(level), _) => Refinement::Uniform(level),
-            (None, Some(pixels)) => Refinement::Adaptive(Flatness {
-                pixels,
+        match self.level {
+            Some(level) => Refinement::Uniform(level),
+            None => Refinement::Adaptive(Flatness {
+                pixels: self.adaptive.unwrap_or(Flatness::default().pixels),
                 max_level,
                 ..Flatness::default()
             }),
-            (None, None) => Refinement::ByEdgeLength { max_level },
         }
     }
 }

@@ -1,5 +1,6 @@
 //! `earmark refine`: the refined mesh as a file.
 
+use super::displace::DisplaceFlags;
 use super::exit::{Code, Failure};
 use super::flags::{ModelFlags, RunningFlags, scheme_name};
 use super::job::{Job, Output, Staged, commit_all, model_names};
@@ -8,12 +9,14 @@ use super::render::{input_paths, stats_output};
 use super::stats::{Clock, Json, Time};
 use super::watch::{self, Phase};
 use clap::Args;
+use earmark::Surface;
 use earmark::files;
 use earmark::mesh::NONE;
 use earmark::mesh::write::{self, MeshTags, PlyFormat, WriteOptions};
 use earmark::refine::{
     Level, Limit, Options, RefineError, Timings, counts, has_semi_sharp, limit, stencils,
 };
+use earmark::surface::SurfaceOptions;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -28,7 +31,7 @@ pub(crate) struct Arguments {
     /// Steps of refinement, 0 to 10
     #[arg(short, long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: u32,
-    /// Write limit positions and unit limit normals in place of control points
+    /// Write limit positions and unit limit normals in place of control points; displacement does so too
     #[arg(long)]
     pub(crate) limit: bool,
     /// Also write the stencils: for every point of the mesh the weights of the cage's points, with --limit also those of two tangents.
@@ -41,6 +44,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub(crate) keep_holes: bool,
     #[command(flatten)]
+    pub(crate) displace: DisplaceFlags,
+    #[command(flatten)]
     pub(crate) model: ModelFlags,
     #[command(flatten)]
     pub(crate) running: RunningFlags,
@@ -48,6 +53,8 @@ pub(crate) struct Arguments {
 
 /// Most faces without `--max-faces`.
 const MAX_FACES: u64 = 100_000_000;
+/// Bytes per corner of a cage as a surface, its own copy included.
+const SURFACE_BYTES: u128 = 400;
 /// Bytes per vertex of limit points, normals, and what they are collected in.
 const LIMIT_BYTES: u128 = 120;
 
@@ -65,7 +72,9 @@ impl From<RefineError> for Failure {
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let path = a.model_path.as_path();
     let models = [a.model_path.clone()];
-    let inputs = input_paths(&models);
+    let mut inputs = input_paths(&models);
+    inputs.extend(a.displace.displace.as_deref());
+    let displacement = job.time("read", |job| a.displace.displacement(job))?;
     let output = Output::checked(&a.output, &["obj", "ply"], &inputs)?;
     let stats = match &a.running.stats {
         Some(stats) => Some(stats_output(stats, &a.output, &inputs)?),
@@ -108,7 +117,27 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     if let Some(output) = &weights {
         staged.push(write_stencils(job, a, output, &base, &options)?);
     }
-    let (level, limit) = refine(job, a, base, &options)?;
+    let (level, mut limit) = refine(job, a, base, &options)?;
+    if let (Some(displacement), Some(limit)) = (displacement, &mut limit) {
+        if displacement.needs_uvs() && cage.uvs().is_empty() {
+            warning(
+                "the model has no texture coordinates: --displace moves everything by the map's lower left corner",
+            );
+        }
+        let corners = cage.corner_vertices().len() as u128;
+        let wanted = corners * SURFACE_BYTES;
+        job.limits().memory("the displaced surface", wanted)?;
+        job.time("displace", |_| {
+            let options = SurfaceOptions {
+                scheme: Some(scheme),
+                ..flags
+            };
+            let mut surface = Surface::new(cage.clone(), &options);
+            let displacement = displacement.relative_to(cage.origin());
+            surface.set_displacement(Some(displacement));
+            surface.displace_limit(a.level, &level.topology, limit);
+        });
+    }
 
     watch::phase(Phase::Writing);
     job.limits().check()?;
@@ -231,7 +260,8 @@ fn refine(
         }
         .into());
     }
-    let limit_bytes = if a.limit { LIMIT_BYTES } else { 0 };
+    let wants_limit = a.limit || a.displace.is_on();
+    let limit_bytes = if wants_limit { LIMIT_BYTES } else { 0 };
     let wanted = base.predicted_bytes(options.scheme, a.level) + last.vertices * limit_bytes;
     limits.memory("the refined mesh", wanted)?;
 
@@ -257,9 +287,7 @@ fn refine(
         job.stages.add(name, Time { wall, cpu });
     }
     limits.check()?;
-    let points = a
-        .limit
-        .then(|| job.time("limit", |_| limit(&level, options)));
+    let points = wants_limit.then(|| job.time("limit", |_| limit(&level, options)));
     Ok((level, points))
 }
 

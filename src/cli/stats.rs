@@ -167,6 +167,8 @@ pub(crate) fn frame_stages(stats: &earmark::frame::FrameStats, cpu: f64) -> Stag
         let share = ms(stats.times.get(stage)) / sum.max(1e-9);
         (stage, ms(stats.wall[2]) * share)
     }));
+    // Where nothing is displaced the stage does not run.
+    walls.retain(|&(stage, wall)| stage != Stage::Displace || wall > 0.0);
     let total: f64 = walls.iter().map(|(_, wall)| wall).sum();
     let mut stages = Stages::default();
     for (stage, wall) in walls {

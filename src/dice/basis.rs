@@ -33,10 +33,21 @@ pub(crate) struct Basis {
 }
 
 impl Basis {
+    #[inline(always)]
     pub(crate) fn get(target: Target, level: u32) -> &'static Self {
         static TABLES: [[OnceLock<Basis>; MAX_LEVEL as usize + 1]; 2] =
             [const { [const { OnceLock::new() }; MAX_LEVEL as usize + 1] }; 2];
-        TABLES[target as usize][level as usize].get_or_init(|| Self::make(target, level))
+        let table = &TABLES[target as usize][level as usize];
+        // No call in the usual case: kernels are full of vectors that a call would have to save.
+        match table.get() {
+            Some(basis) => basis,
+            None => Self::first(table, target, level),
+        }
+    }
+
+    #[cold]
+    fn first(table: &'static OnceLock<Self>, target: Target, level: u32) -> &'static Self {
+        table.get_or_init(|| Self::make(target, level))
     }
 
     fn make(target: Target, level: u32) -> Self {

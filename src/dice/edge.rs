@@ -13,9 +13,7 @@
 use super::basis::{Basis, Target};
 use super::net::Net;
 use super::point::P4;
-use super::regular::{
-    LANES, Lanes, Lanes3, blend, mix3, one_by_one, take, unit_lanes, unit_of, weights,
-};
+use super::regular::{LANES, Lanes3, blend, mix3, one_by_one, take, unit_lanes, unit_of, weights};
 use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::simd::Level;
 use std::hint::black_box;
@@ -108,20 +106,20 @@ impl Put for GridLine<'_> {
                 &mut z[first..=last],
             );
             for i in 0..n {
-                x[i * BLOCK_STRIDE] = values[0].0[i];
-                y[i * BLOCK_STRIDE] = values[1].0[i];
-                z[i * BLOCK_STRIDE] = values[2].0[i];
+                x[i * BLOCK_STRIDE] = values.0[0][i];
+                y[i * BLOCK_STRIDE] = values.0[1][i];
+                z[i * BLOCK_STRIDE] = values.0[2][i];
             }
         } else if n == W {
-            x[first..first + W].copy_from_slice(&values[0].0);
-            y[first..first + W].copy_from_slice(&values[1].0);
-            z[first..first + W].copy_from_slice(&values[2].0);
+            x[first..first + W].copy_from_slice(&values.0[0]);
+            y[first..first + W].copy_from_slice(&values.0[1]);
+            z[first..first + W].copy_from_slice(&values.0[2]);
         } else {
             for i in 0..n {
                 one_by_one();
-                x[first + i] = values[0].0[i];
-                y[first + i] = values[1].0[i];
-                z[first + i] = values[2].0[i];
+                x[first + i] = values.0[0][i];
+                y[first + i] = values.0[1][i];
+                z[first + i] = values.0[2][i];
             }
         }
     }
@@ -142,7 +140,7 @@ impl Put for PointLine<'_> {
     #[inline(always)]
     fn put<const W: usize>(&mut self, at: usize, n: usize, values: &Lanes3<W>) {
         for i in 0..n {
-            self.put_one(at + i, [0, 1, 2].map(|c| values[c].0[i]));
+            self.put_one(at + i, [0, 1, 2].map(|c| values.0[c][i]));
         }
     }
     #[inline(always)]
@@ -305,8 +303,7 @@ impl Strip {
     ) {
         let basis = Basis::get(target, level);
         let row = self.across(basis.across);
-        let zero = [Lanes([0.0; W]); 3];
-        let mut line = zero;
+        let mut line = Lanes3::<W>::zeros();
         for i in (0..run.count).step_by(W) {
             mix3(&take::<W>(&basis.point, run.first + i), &row, &mut line);
             points.put(run.at + i, (run.count - i).min(W), &line);
@@ -314,7 +311,7 @@ impl Strip {
         let Some(normals) = normals else { return };
         let along = self.across(Basis::get(Target::Limit, 0).across);
         let (across, spare) = self.slopes();
-        let (mut du, mut dv) = (zero, zero);
+        let (mut du, mut dv) = (Lanes3::<W>::zeros(), Lanes3::<W>::zeros());
         let lanes = black_box(W);
         for i in (0..run.count).step_by(W) {
             mix3(&take::<W>(&basis.slope, run.first + i), &along, &mut du);
@@ -335,15 +332,17 @@ impl Strip {
         target: Target,
         level: u32,
         points: &mut impl Put,
-        mut normals: Option<&mut impl Put>,
+        normals: Option<&mut impl Put>,
     ) {
-        let row = self.across(Basis::get(target, level).across);
+        let basis = Basis::get(target, level);
+        let row = self.across(basis.across);
         for i in 0..run.count {
-            let w = weights(&Basis::get(target, level).point, run.first + i);
-            points.put_one(run.at + i, blend(w, row).xyz());
-            if let Some(normals) = normals.as_deref_mut() {
-                normals.put_one(run.at + i, self.normal(level, run.first + i));
-            }
+            let p = blend(weights(&basis.point, run.first + i), row);
+            points.put_one(run.at + i, [p.0[0], p.0[1], p.0[2]]);
+        }
+        let Some(normals) = normals else { return };
+        for i in 0..run.count {
+            normals.put_one(run.at + i, self.normal(level, run.first + i));
         }
     }
 
@@ -387,7 +386,7 @@ struct Run {
 pub(super) fn sample_polygon(p: &[P4; 4], level: u32, range: SideRange, points: &mut impl Put) {
     let basis = Basis::get(range.target, level.saturating_sub(range.shift));
     let count = (range.high - range.low + 1) as usize;
-    let mut line = [Lanes([0.0; 16]); 3];
+    let mut line = Lanes3::<16>::zeros();
     for i in (0..count).step_by(16) {
         mix3(
             &take::<16>(&basis.point, range.low as usize + i),

@@ -45,13 +45,16 @@ pub(crate) fn weigh3(w: &[Vec<f32>; 4], at: usize, n: usize, q: &[P4; 4], out: &
     weigh(w, at, n, q, 2, z);
 }
 
-/// Lanes in memory of their own, so that no vector crosses a cache line.
-#[derive(Clone, Copy)]
+/// Three components in lanes, aligned so that no vector crosses a cache line.
 #[repr(align(64))]
-pub(super) struct Lanes<const W: usize>(pub(super) [f32; W]);
+pub(super) struct Lanes3<const W: usize>(pub(super) [[f32; W]; 3]);
 
-/// Three components.
-pub(super) type Lanes3<const W: usize> = [Lanes<W>; 3];
+impl<const W: usize> Lanes3<W> {
+    #[inline(always)]
+    pub(super) fn zeros() -> Self {
+        Self([[0.0; W]; 3])
+    }
+}
 
 /// Keeps the loop around it scalar. Loops over lanes become vectors; without this the compiler would rather vectorise the loop over rows or
 /// components around them, and gather and scatter.
@@ -88,7 +91,7 @@ pub(super) fn mix3<const W: usize>(w: &Weights<W>, q: &[P4; 4], out: &mut Lanes3
     for c in 0..3 {
         one_by_one();
         let q = [q[0].0[c], q[1].0[c], q[2].0[c], q[3].0[c]];
-        mix(w, q, &mut out[c].0);
+        mix(w, q, &mut out.0[c]);
     }
 }
 
@@ -273,8 +276,11 @@ impl Area {
     fn normals<const W: usize>(&self, net: &[[P4; 4]; 4], basis: &Basis, out: &mut Grid3) {
         let spare = fallback(net);
         let lanes = black_box(W);
-        let zero = [Lanes([0.0; W]); 3];
-        let (mut du, mut dv, mut unit) = (zero, zero, zero);
+        let (mut du, mut dv, mut unit) = (
+            Lanes3::<W>::zeros(),
+            Lanes3::<W>::zeros(),
+            Lanes3::<W>::zeros(),
+        );
         for row in (0..self.rows).step_by(W) {
             let q = blend_rows(&take::<W>(&basis.limit, self.first + row), net);
             let r = blend_rows(&take::<W>(&basis.slope, self.first + row), net);
@@ -286,14 +292,14 @@ impl Area {
                 for j in 0..rows {
                     for c in 0..3 {
                         one_by_one();
-                        mix(&slope, four(&q, c, j), &mut du[c].0);
-                        mix(&limit, four(&r, c, j), &mut dv[c].0);
+                        mix(&slope, four(&q, c, j), &mut du.0[c]);
+                        mix(&limit, four(&r, c, j), &mut dv.0[c]);
                     }
                     unit_lanes(&du, &dv, lanes, spare, &mut unit);
                     let at = (self.row + row + j) * BLOCK_STRIDE + col;
-                    out.x[at..at + W].copy_from_slice(&unit[0].0);
-                    out.y[at..at + W].copy_from_slice(&unit[1].0);
-                    out.z[at..at + W].copy_from_slice(&unit[2].0);
+                    out.x[at..at + W].copy_from_slice(&unit.0[0]);
+                    out.y[at..at + W].copy_from_slice(&unit.0[1]);
+                    out.z[at..at + W].copy_from_slice(&unit.0[2]);
                 }
                 next = self.vector::<W>(Some(col + W));
             }
@@ -333,7 +339,12 @@ impl Area {
 /// Per column of the net and component, the blends by each lane's weights.
 #[inline(always)]
 fn blend_rows<const W: usize>(w: &Weights<W>, net: &[[P4; 4]; 4]) -> [Lanes3<W>; 4] {
-    let mut out = [[Lanes([0.0; W]); 3]; 4];
+    let mut out = [
+        Lanes3::zeros(),
+        Lanes3::zeros(),
+        Lanes3::zeros(),
+        Lanes3::zeros(),
+    ];
     for k in 0..4 {
         for c in 0..3 {
             one_by_one();
@@ -343,7 +354,7 @@ fn blend_rows<const W: usize>(w: &Weights<W>, net: &[[P4; 4]; 4]) -> [Lanes3<W>;
                 net[2][k].0[c],
                 net[3][k].0[c],
             ];
-            mix(w, p, &mut out[k][c].0);
+            mix(w, p, &mut out[k].0[c]);
         }
     }
     out
@@ -363,7 +374,7 @@ fn blend_row(w: [f32; 4], net: &[[P4; 4]; 4]) -> [P4; 4] {
 /// Component `c` of the four points of row `j`.
 #[inline(always)]
 fn four<const W: usize>(q: &[Lanes3<W>; 4], c: usize, j: usize) -> [f32; 4] {
-    [q[0][c].0[j], q[1][c].0[j], q[2][c].0[j], q[3][c].0[j]]
+    [q[0].0[c][j], q[1].0[c][j], q[2].0[c][j], q[3].0[c][j]]
 }
 
 /// A normal for points where the tangents are parallel: that of the patch as a whole.
@@ -429,10 +440,10 @@ pub(super) fn unit_lanes<const W: usize>(
     spare: [f32; 3],
     out: &mut Lanes3<W>,
 ) {
-    let (a0, a1, a2) = (&a[0].0[..n], &a[1].0[..n], &a[2].0[..n]);
-    let (b0, b1, b2) = (&b[0].0[..n], &b[1].0[..n], &b[2].0[..n]);
-    let [x, y, z] = out;
-    let (x, y, z) = (&mut x.0[..n], &mut y.0[..n], &mut z.0[..n]);
+    let (a0, a1, a2) = (&a.0[0][..n], &a.0[1][..n], &a.0[2][..n]);
+    let (b0, b1, b2) = (&b.0[0][..n], &b.0[1][..n], &b.0[2][..n]);
+    let [x, y, z] = &mut out.0;
+    let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
     for i in 0..n {
         [x[i], y[i], z[i]] = unit_of([a0[i], a1[i], a2[i]], [b0[i], b1[i], b2[i]], spare);
     }

@@ -78,13 +78,20 @@ impl Sheet {
         (quadrant + 4 - self.corner) & 3
     }
 
+    /// Row and column of a quadrant in the net, and its origin.
     #[inline(always)]
-    pub(super) fn quadrant(&self, q: usize) -> Quadrant<'_> {
+    pub(super) fn place(&self, q: usize) -> ([usize; 2], [u32; 2]) {
         let [row, col] = PLACES[q];
         let origin = [
             self.origin[0] + col as u32 * self.size,
             self.origin[1] + row as u32 * self.size,
         ];
+        ([row, col], origin)
+    }
+
+    #[inline(always)]
+    pub(super) fn quadrant(&self, q: usize) -> Quadrant<'_> {
+        let ([row, col], origin) = self.place(q);
         let (mut low, mut high) = (origin, origin.map(|k| k + self.size));
         // The neighbours along u and along v.
         for (k, (other, second)) in [(q ^ 1, col == 1), (3 - q, row == 1)]

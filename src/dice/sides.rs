@@ -3,10 +3,28 @@
 use super::edge::{GridLine, PointLine, Put, SideRange, Span, Strip, sample_polygon};
 use super::face::{DiceFault, FacePatch, Part, Sides};
 use super::point::P4;
-use super::sheet::HIGH;
+use super::sheet::{HIGH, Sheet};
 use crate::dispatch;
 use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::topology::{FanRule, NONE, Ring, Topology};
+
+/// The strip of quadrant `q` along side `c`, of the half at corner `end`.
+#[inline(always)]
+fn half(sheet: &Sheet, q: usize, end: usize, c: usize) -> (Strip, Span) {
+    let (at, origin) = sheet.place(q);
+    let first = origin[c & 1];
+    // What lies away from the end belongs to the strip before, or is the middle.
+    let own = match HIGH[end][c & 1] {
+        true => [first + 1, first + sheet.size],
+        false => [first, first + sheet.size - 1],
+    };
+    let span = Span {
+        first,
+        level: sheet.level,
+        own,
+    };
+    (Strip::of(&sheet.net, at, c), span)
+}
 
 impl FacePatch {
     /// Whether the middle of side `c` belongs to its half at the high end of u or v, which is that at the lower vertex number; and whether
@@ -61,31 +79,28 @@ impl FacePatch {
             };
             return f(&Strip::of(&self.whole_net, [0, 0], c), span);
         }
+        let Some((first, deeper)) = self.sheets.split_first() else {
+            return;
+        };
+        // The first sheet has a spline at every regular corner; the others lead to their own, with splines before and after it.
         let d = (c + 1) & 3;
-        for (i, sheet) in self.sheets.iter().enumerate() {
-            for end in [c, d] {
-                // The first sheet has a spline at every regular corner; the others lead to their own, with splines before and after it.
-                let q = match i {
-                    0 => end,
-                    _ if sheet.corner == end && sheet.size > 0 => c + d - end,
-                    _ => continue,
-                };
-                if !sheet.has(q) {
-                    continue;
-                }
-                let quadrant = sheet.quadrant(q);
-                let first = quadrant.origin[c & 1];
-                // What lies away from the end belongs to the strip before, or is the middle.
-                let own = match HIGH[end][c & 1] {
-                    true => [first + 1, first + sheet.size],
-                    false => [first, first + sheet.size - 1],
-                };
-                let span = Span {
-                    first,
-                    level: sheet.level,
-                    own,
-                };
-                f(&Strip::of(&sheet.net, quadrant.at, c), span);
+        for end in [c, d] {
+            if first.has(end) {
+                let (strip, span) = half(first, end, end, c);
+                f(&strip, span);
+            }
+        }
+        for sheet in deeper {
+            let q = if sheet.corner == c {
+                d
+            } else if sheet.corner == d {
+                c
+            } else {
+                continue;
+            };
+            if sheet.size > 0 {
+                let (strip, span) = half(sheet, q, sheet.corner, c);
+                f(&strip, span);
             }
         }
     }

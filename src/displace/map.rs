@@ -291,7 +291,7 @@ mod tests {
                 (x as f32 + 0.5) / w as f32,
                 1.0 - (y as f32 + 0.5) / h as f32,
             );
-            libm::sinf(6.283_185_3 * u) * libm::cosf(6.283_185_3 * v)
+            libm::sinf(std::f32::consts::TAU * u) * libm::cosf(std::f32::consts::TAU * v)
         };
         let texels = (0..h).flat_map(|y| (0..w).map(move |x| at(x, y))).collect();
         HeightMap::new(w, h, texels).unwrap()
@@ -315,10 +315,10 @@ mod tests {
         for i in 0..500 {
             let (u, v) = ((i as f32 * 0.371).fract(), (i as f32 * 0.713).fract());
             let [h, du, dv] = map.slope(u, v);
-            let (a, b) = (6.283_185_3 * u, 6.283_185_3 * v);
+            let (a, b) = (std::f32::consts::TAU * u, std::f32::consts::TAU * v);
             assert!((h - libm::sinf(a) * libm::cosf(b)).abs() < 2e-3);
-            assert!((du - 6.283_185_3 * libm::cosf(a) * libm::cosf(b)).abs() < 1e-2);
-            assert!((dv + 6.283_185_3 * libm::sinf(a) * libm::sinf(b)).abs() < 1e-2);
+            assert!((du - std::f32::consts::TAU * libm::cosf(a) * libm::cosf(b)).abs() < 1e-2);
+            assert!((dv + std::f32::consts::TAU * libm::sinf(a) * libm::sinf(b)).abs() < 1e-2);
         }
     }
 

@@ -220,8 +220,7 @@ impl Displacement {
     /// need in `heights`.
     pub(crate) fn grid(
         &self,
-        simd: Level,
-        size: BlockSize,
+        (simd, size): (Level, BlockSize),
         points: &mut Grid3,
         directions: &Grid3,
         uvs: &Grid3,

@@ -24,7 +24,7 @@ impl Bend {
         let [l, m, k] = self.second.map(|d| math::dot(d, n));
         let det = e * g - f * f;
         // Of parallel tangents nothing follows.
-        if !(det > 1e-10 * e * g) {
+        if det.is_nan() || det <= 1e-10 * e * g {
             return [[0.0; 3]; 2];
         }
         let mix = |a: f32, b: f32| {

@@ -82,6 +82,11 @@ fn locate(surface: &Surface, face: u32, u: f32, v: f32) -> Result<Spot, Miss> {
     part(surface, face, k, [u - k as f32, v])
 }
 
+/// Whether there is something at a place.
+pub(super) fn holds(surface: &Surface, face: u32, u: f32, v: f32) -> bool {
+    locate(surface, face, u, v).is_ok()
+}
+
 fn narrow(p: [f64; 3]) -> [f32; 3] {
     p.map(|c| c as f32)
 }

@@ -9,6 +9,7 @@ pub mod srgb;
 
 use crate::film::srgb::{Srgb, quantize};
 use crate::math::positive;
+use crate::simd::LANES;
 
 /// Why bytes are no PNG picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -168,6 +169,22 @@ impl Film {
             *c += b * rest;
         }
         self.encode_over(over)
+    }
+
+    /// The pixels of opaque light, in lanes of red, green and blue: [`Film::pixel`] of each, for [`Encoding::Srgb`].
+    #[must_use]
+    #[inline(always)]
+    pub fn opaque_lanes(&self, light: &[[f32; LANES]; 3]) -> [[u8; 4]; LANES] {
+        let mut codes = [[0_u32; LANES]; 3];
+        for k in 0..3 {
+            codes[k] = self.srgb.encode_lanes(&light[k]);
+        }
+        let mut out = [[0; 4]; LANES];
+        for l in 0..LANES {
+            let code = |k: usize| codes[k][l];
+            out[l] = (code(0) | code(1) << 8 | code(2) << 16 | 255 << 24).to_le_bytes();
+        }
+        out
     }
 
     /// The pixel of a group of samples, in their order.

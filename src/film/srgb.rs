@@ -1,10 +1,11 @@
 //! The sRGB transfer function (IEC 61966-2-1), and an exactly rounded 8-bit encoder.
 //!
-//! The encoder does not evaluate a power per pixel. It keeps the 255 linear values where the rounded code steps up, made in
-//! double precision with `libm`, and finds the step by the leading bits of the number: a table gives the code at the start of
-//! the interval of equal leading bits, and one comparison settles the rest, because an interval holds at most one step. The
-//! result is the correctly rounded code for every `f32`, the same on every machine.
+//! The encoder does not evaluate a power per pixel. The 255 linear values where the rounded code steps up are made in double
+//! precision with `libm`; the step is found by the leading bits of the number. An interval of equal leading bits holds at most one
+//! step, so a table gives per interval the code at its start and how far the step is from its end: adding the low bits of the number
+//! carries into the code from the step on. The result is the correctly rounded code for every `f32`, the same on every machine.
 
+use crate::simd::LANES;
 use std::sync::LazyLock;
 
 /// Leading mantissa bits that select an interval. With 7, no interval holds two steps (asserted when the table is made); with
@@ -15,6 +16,21 @@ const SHIFT: u32 = 23 - MANTISSA_BITS;
 const SMALLEST: u32 = (127 - 13) << 23;
 const ONE: u32 = 127 << 23;
 const INTERVALS: usize = ((ONE - SMALLEST) >> SHIFT) as usize + 1;
+/// Entries of the table: a power of two, for a mask to keep every index inside.
+const ENTRIES: usize = INTERVALS.next_power_of_two();
+
+/// The bits of an interval's numbers among themselves.
+const LOW_BITS: u32 = (1 << SHIFT) - 1;
+
+/// Distance of a number from [`SMALLEST`] in steps of f32, after it was brought into the range that has different codes.
+#[inline(always)]
+fn place(x: f32) -> u32 {
+    let low = f32::from_bits(SMALLEST);
+    // Written so that NaN goes to the lower end.
+    let x = if x > low { x } else { low };
+    let x = if x < 1.0 { x } else { 1.0 };
+    x.to_bits() - SMALLEST
+}
 
 /// Linear light of an sRGB value, both 0 to 1.
 #[must_use]
@@ -41,8 +57,8 @@ pub fn from_linear(l: f64) -> f64 {
 pub struct Srgb {
     /// `steps[k]` is the smallest number that encodes to `k + 1`; the last entry is never reached.
     steps: [f32; 256],
-    /// Code at the start of each interval.
-    codes: [u8; INTERVALS],
+    /// Per interval the code at its start above [`SHIFT`] bits, which hold the distance of the step from the interval's end.
+    codes: [u32; ENTRIES],
     linear: [f32; 256],
 }
 
@@ -66,13 +82,18 @@ impl Srgb {
             }
             *step = x;
         }
-        let mut codes = [0; INTERVALS];
-        for (i, code) in codes.iter_mut().enumerate() {
+        let mut codes = [0; ENTRIES];
+        for (i, code) in codes.iter_mut().enumerate().take(INTERVALS) {
             let start = f32::from_bits(SMALLEST + ((i as u32) << SHIFT));
             let end = f32::from_bits(SMALLEST + ((i as u32 + 1) << SHIFT)).next_down();
             let below = |x: f32| steps.partition_point(|&s| s <= x);
-            *code = below(start) as u8;
             assert!(below(end) <= below(start) + 1, "two steps in an interval");
+            // Beginning with a step is having the code from there on, so the distance is below the interval's length.
+            let past = match steps.get(below(start)) {
+                Some(s) if *s <= end => end.to_bits() + 1 - s.to_bits(),
+                _ => 0,
+            };
+            *code = (below(start) as u32) << SHIFT | past;
         }
         Self {
             steps,
@@ -85,13 +106,27 @@ impl Srgb {
     #[must_use]
     #[inline]
     pub fn encode(&self, x: f32) -> u8 {
-        let low = f32::from_bits(SMALLEST);
-        // Written so that NaN goes to the lower end.
-        let x = if x > low { x } else { low };
-        let x = if x < 1.0 { x } else { 1.0 };
-        let i = (x.to_bits() - SMALLEST) >> SHIFT;
-        let code = self.codes[i as usize];
-        code + u8::from(x >= self.steps[usize::from(code)])
+        let bits = place(x);
+        let code = self.codes[(bits >> SHIFT) as usize & (ENTRIES - 1)];
+        ((code + (bits & LOW_BITS)) >> SHIFT) as u8
+    }
+
+    /// [`Srgb::encode`] of sixteen numbers.
+    #[must_use]
+    #[inline(always)]
+    pub fn encode_lanes(&self, x: &[f32; LANES]) -> [u32; LANES] {
+        let mut bits = [0; LANES];
+        for l in 0..LANES {
+            bits[l] = place(x[l]);
+        }
+        let mut codes = [0; LANES];
+        for l in 0..LANES {
+            codes[l] = self.codes[(bits[l] >> SHIFT) as usize & (ENTRIES - 1)];
+        }
+        for l in 0..LANES {
+            codes[l] = (codes[l] + (bits[l] & LOW_BITS)) >> SHIFT;
+        }
+        codes
     }
 
     /// Linear light of a code.
@@ -176,6 +211,7 @@ mod tests {
             (f32::INFINITY, 255),
         ] {
             assert_eq!(t.encode(x), code, "{x}");
+            assert_eq!(t.encode_lanes(&[x; LANES]), [code.into(); LANES], "{x}");
             assert_eq!(quantize(x), code, "{x}");
         }
         assert_eq!(quantize(0.5), 128);

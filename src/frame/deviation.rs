@@ -55,6 +55,20 @@ impl Renderer {
         view: &View,
         steps: u32,
     ) -> Result<Deviation, RenderError> {
+        self.deviation_of(scene, view, steps, 1)
+    }
+
+    /// The same of every `every`-th quad alone.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_view`].
+    pub fn deviation_of(
+        &self,
+        scene: &Scene,
+        view: &View,
+        steps: u32,
+        every: u32,
+    ) -> Result<Deviation, RenderError> {
         let cap = match self.refinement {
             super::Refinement::Adaptive(f) => f.max_level,
             _ => u32::MAX,
@@ -67,7 +81,7 @@ impl Renderer {
                     points: Grid3::boxed(),
                     attributes: Attributes::default(),
                 },
-                |worker, item| worker.item(frame, item, steps, cap),
+                |worker, item| worker.item(frame, item, steps, [cap, every]),
             );
             let all: Vec<Deviation> = all.collect();
             let mut sum = Deviation::default();
@@ -143,7 +157,13 @@ struct Worker {
 }
 
 impl Worker {
-    fn item(&mut self, frame: &Frame<'_>, item: u32, steps: u32, cap: u32) -> Deviation {
+    fn item(
+        &mut self,
+        frame: &Frame<'_>,
+        item: u32,
+        steps: u32,
+        [cap, every]: [u32; 2],
+    ) -> Deviation {
         let mut out = Deviation::default();
         let source = frame.source_of(item);
         let local = item - source.first_item;
@@ -153,6 +173,9 @@ impl Worker {
         let capped = source.level(local) >= cap;
         let [nu, nv] = source.blocks(local);
         for block in (0..nu * nv).map(|b| [b % nu, b / nu]) {
+            if !source.places(local, block).0.is_multiple_of(every) {
+                continue;
+            }
             let a = Some(&mut self.attributes);
             source.dice(&mut self.scratch, local, block, &mut self.points, a);
             let size = source.block_size(local);

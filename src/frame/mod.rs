@@ -15,10 +15,12 @@ pub mod deviation;
 mod leaf;
 mod level;
 mod scene;
+mod shading;
 mod source;
 mod spot;
 mod stats;
 mod tile;
+mod visible;
 
 use crate::camera::{Camera, CameraError, Sphere, View};
 use crate::film::{Film, Image};
@@ -38,7 +40,7 @@ pub use scene::{Object, Scene};
 pub use source::Drawing;
 pub use stats::{FrameStats, Stage, StageTimes};
 
-use source::{Source, SourceScratch};
+use source::Source;
 use tile::Scratch;
 
 /// How far surfaces are refined.
@@ -86,10 +88,16 @@ pub struct Renderer {
     pub background: [u8; 4],
     /// Vector instructions; never changes a pixel.
     pub simd: SimdLevel,
+    /// Whether what lies behind drawn surfaces is left out before it is diced; never changes a pixel.
+    #[doc(hidden)]
+    pub leave_out: bool,
     /// Whether [`FrameStats::times`] is measured.
     pub measure: bool,
     /// Budgets.
     pub limits: Limits,
+    /// The view that decides where triangles are, if not the one that is drawn: to see what a change of triangles alone does.
+    #[doc(hidden)]
+    pub decided_by: Option<View>,
     scratch: ScratchPool,
     patterns: Pool,
 }
@@ -165,10 +173,13 @@ pub(crate) struct Frame<'a> {
     size: ScreenSize,
     grid: TileGrid,
     bins: Bins,
+    /// Screen boxes of all items.
+    boxes: Vec<Option<PixelBox>>,
     sources: Vec<Source<'a>>,
     shader: Shader<'a>,
     film: Film,
     simd: SimdLevel,
+    leaves_out: bool,
     wants_uvs: bool,
     /// Materials with their opacity, by which faces are cut out.
     materials: &'a [SurfaceMaterial],
@@ -212,7 +223,7 @@ fn bin_bytes(boxes: &[Option<PixelBox>], grid: &TileGrid, side: u32) -> u128 {
 }
 
 impl Renderer {
-    /// A renderer with the defaults of the command line: 4 samples, limit surface, lit, transparent background.
+    /// A renderer with the defaults of the command line: 4 samples, limit surface within half a pixel, lit, transparent background.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         Self {
@@ -221,13 +232,15 @@ impl Renderer {
                 height,
                 samples: 4,
             },
-            refinement: Refinement::ByEdgeLength { max_level: 8 },
+            refinement: Refinement::Adaptive(Flatness::default()),
             drawing: Drawing::Limit,
             mode: ShadeMode::Lit,
             background: [0; 4],
             simd: SimdLevel::detect(),
+            leave_out: true,
             measure: false,
             limits: Limits::default(),
+            decided_by: None,
             scratch: ScratchPool::default(),
             patterns: Pool::default(),
         }
@@ -280,7 +293,8 @@ impl Renderer {
         let mut levels = self.levels(scene, view)?;
         let begin = Instant::now();
         let mut budget = Budget::new(&self.limits);
-        let tessellations = self.tessellations(scene, view, &mut levels, &mut budget)?;
+        let decided_by = self.decided_by.as_ref().unwrap_or(view);
+        let tessellations = self.tessellations(scene, decided_by, &mut levels, &mut budget)?;
         let spent = begin.elapsed();
         let patterns = tessellations.iter().flatten().map(|t| t.pattern_time);
         let patterns = patterns.sum::<Duration>();
@@ -317,10 +331,12 @@ impl Renderer {
             size: self.size,
             grid: TileGrid::new(self.size, tile_side(self.size.samples)),
             bins: Bins::default(),
+            boxes: Vec::new(),
             sources,
             shader,
             film: Film::new(self.mode.encoding(), self.background),
             simd: self.simd,
+            leaves_out: self.leave_out,
             wants_uvs: self.mode == ShadeMode::Uv
                 || !scene.textures.is_empty()
                 || scene.objects.iter().any(Object::is_shaded_by_map),
@@ -346,7 +362,7 @@ impl Renderer {
         )?;
         let begin = Instant::now();
         frame.bins = Bins::new(&frame.grid, &boxes);
-        drop(boxes);
+        frame.boxes = boxes;
         stats.wall[1] = begin.elapsed();
         Ok(draw(&frame, stats)?)
     }
@@ -428,7 +444,8 @@ impl Renderer {
                         max_level: flatness.max_level.saturating_sub(split),
                         ..flatness
                     };
-                    flatness::tessellate(surface, view, &wanted, limits, budget, is_drawn)?
+                    let (simd, seen) = (self.simd, (view, &wanted));
+                    flatness::tessellate(surface, seen, simd, limits, budget, is_drawn)?
                 }
                 Refinement::DepthTags(wanted) => {
                     let tags = object.tags(view, &wanted);
@@ -454,48 +471,65 @@ impl Renderer {
         item_count: u32,
     ) -> Result<Vec<Option<PixelBox>>, LimitError> {
         let mut boxes = vec![None; item_count as usize];
-        const CHUNK: usize = 1024;
-        boxes.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
-            || (SourceScratch::new(self.simd), Vec::new()),
-            |(scratch, hull), (k, chunk)| {
+        const CHUNK: usize = 256;
+        boxes
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .try_for_each(|(k, chunk)| {
                 self.limits.check()?;
+                let mut scratch = self.scratch.take(self.size.samples, self.simd);
+                let Scratch { source, hull, .. } = &mut scratch;
                 for (i, out) in chunk.iter_mut().enumerate() {
                     let item = (k * CHUNK + i) as u32;
-                    let source = frame.source_of(item);
-                    *out = tile::item_box(frame, source, item - source.first_item, scratch, hull);
+                    let of = frame.source_of(item);
+                    *out = tile::item_box(frame, of, item - of.first_item, source, hull);
                 }
+                self.scratch.give_back(scratch);
                 Ok(())
-            },
-        )?;
+            })?;
         Ok(boxes)
     }
 
     fn tiles(&self, frame: &Frame<'_>, stats: &mut FrameStats) -> Result<Image, LimitError> {
         self.limits.progress.begin(frame.grid.len() as u64);
-        let drawn: Vec<(Vec<u8>, u64, StageTimes)> = (0..frame.grid.len())
+        let mut image = Image::new(self.size.width, self.size.height);
+        let (line, side) = (self.size.width as usize * 4, frame.grid.side() as usize);
+        // Rows of tiles, each behind a lock that is held while a tile's pixels are copied in.
+        let bands: Vec<Mutex<&mut [u8]>> =
+            image.data.chunks_mut(line * side).map(Mutex::new).collect();
+        let (covered, times) = (0..frame.grid.len())
             .into_par_iter()
             .with_max_len(1)
             .map(|tile| {
                 self.limits.check()?;
                 let mut scratch = self.scratch.take(self.size.samples, self.simd);
                 scratch.times = StageTimes::measuring(self.measure);
-                let mut pixels = Vec::new();
-                let covered = tile::draw_tile(frame, tile, &mut scratch, &mut pixels);
+                let covered = tile::draw_tile(frame, tile, &mut scratch);
+                let clock = scratch.times.start();
+                let [x, _, width, _] = frame.grid.rect(tile);
+                if let Ok(mut band) = bands[tile / frame.grid.cols() as usize].lock() {
+                    let rows = scratch.pixels.bytes.chunks_exact(width as usize);
+                    for (to, row) in band.chunks_exact_mut(line).zip(rows) {
+                        let at = x as usize * 4;
+                        to[at..at + row.len() * 4].copy_from_slice(row.as_flattened());
+                    }
+                }
+                scratch.times.stop(Stage::Film, clock);
                 let times = scratch.times;
                 self.scratch.give_back(scratch);
-                Ok((pixels, covered, times))
+                Ok((covered, times))
             })
-            .collect::<Result<_, LimitError>>()?;
-        let mut image = Image::new(self.size.width, self.size.height);
-        for (tile, (pixels, covered, times)) in drawn.iter().enumerate() {
-            let [x, y, width, _] = frame.grid.rect(tile);
-            for (row, line) in pixels.chunks_exact(width as usize * 4).enumerate() {
-                let at = ((y as usize + row) * self.size.width as usize + x as usize) * 4;
-                image.data[at..at + line.len()].copy_from_slice(line);
-            }
-            stats.pixels_covered += covered;
-            stats.times.add(times);
-        }
+            .try_reduce(
+                || (0, StageTimes::default()),
+                |mut a, b| {
+                    a.0 += b.0;
+                    a.1.add(&b.1);
+                    Ok(a)
+                },
+            )?;
+        drop(bands);
+        stats.pixels_covered += covered;
+        stats.times.add(&times);
         Ok(image)
     }
 }

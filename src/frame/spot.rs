@@ -66,18 +66,24 @@ impl Spot for Quad {
 
     #[inline(always)]
     fn geometric(&self, points: &Grid3) -> [f32; 3] {
-        let (i, j) = (self.id.col() as usize, self.id.row() as usize);
-        let middle = match self.id.half() {
-            0 => (i + 1, j),
-            _ => (i, j + 1),
-        };
-        let p = points.get(i, j);
-        let (q, r) = (points.get(middle.0, middle.1), points.get(i + 1, j + 1));
-        let n = math::cross(math::sub(q, p), math::sub(r, p));
-        match self.id.half() {
-            0 => n,
-            _ => n.map(|c| -c),
-        }
+        geometric(points, self.id)
+    }
+}
+
+/// Normal of a half of a micro-quad, outward, of twice its area.
+#[inline(always)]
+pub(super) fn geometric(points: &Grid3, id: SampleId) -> [f32; 3] {
+    let (i, j) = (id.col() as usize, id.row() as usize);
+    let middle = match id.half() {
+        0 => (i + 1, j),
+        _ => (i, j + 1),
+    };
+    let p = points.get(i, j);
+    let (q, r) = (points.get(middle.0, middle.1), points.get(i + 1, j + 1));
+    let n = math::cross(math::sub(q, p), math::sub(r, p));
+    match id.half() {
+        0 => n,
+        _ => n.map(|c| -c),
     }
 }
 

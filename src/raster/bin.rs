@@ -29,6 +29,11 @@ impl TileGrid {
         }
     }
 
+    /// Side of the tiles in pixels.
+    #[must_use]
+    pub fn side(&self) -> u32 {
+        self.side
+    }
     /// Tiles across.
     #[must_use]
     pub fn cols(&self) -> u32 {

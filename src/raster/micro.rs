@@ -18,6 +18,9 @@ use std::hint::select_unpredictable;
 /// extent and the window's reach, twice, must stay below 2^24.
 pub(super) const MICRO_EXTENT: i32 = 6 * 256;
 
+/// More samples than any window has in a row or column.
+const WINDOW: i32 = MICRO_EXTENT / 256 + 1;
+
 /// Sixteen quads: the grid row `j`, columns from `i0`.
 #[derive(Clone, Copy)]
 pub(super) struct Chunk {
@@ -61,7 +64,10 @@ pub(super) fn chunk<C: Cell>(
     let mut x_high: Ints = [0; LANES];
     let mut y_low: Ints = [0; LANES];
     let mut y_high: Ints = [0; LANES];
-    let mut masks = 0_u32;
+    // Lanes of this path, and lanes that touch the tile.
+    let mut small: Ints = [0; LANES];
+    let mut touching: Ints = [0; LANES];
+    let (mut any_small, mut any) = (false, false);
     for l in 0..LANES {
         let x0 = ax[l].min(bx[l]).min(cx[l].min(dx[l]));
         let x1 = ax[l].max(bx[l]).max(cx[l].max(dx[l]));
@@ -70,13 +76,17 @@ pub(super) fn chunk<C: Cell>(
         (x_low[l], x_high[l], y_low[l], y_high[l]) = (x0, x1, y0, y1);
         let touches = (x1 > left) & (x0 < right) & (y1 > top) & (y0 < bottom);
         let fits = (x1 - x0 <= MICRO_EXTENT) & (y1 - y0 <= MICRO_EXTENT);
-        // Two masks in one word: a single reduction.
-        masks |= (u32::from(touches) | u32::from(touches & fits) << LANES) << l;
+        let touches = touches & ((chunk.live >> l) & 1 != 0);
+        touching[l] = i32::from(touches);
+        small[l] = i32::from(touches & fits);
+        any |= touches;
+        any_small |= touches & fits;
     }
-    let touching = masks & chunk.live;
-    let mut small = (masks >> LANES) & chunk.live;
-    if chunk.refuse || small == 0 {
-        return touching;
+    if !any {
+        return 0;
+    }
+    if chunk.refuse || !any_small {
+        return mask(&touching);
     }
 
     // Edges ab, bc, dc, ad, ac: directions, and thresholds of their signs.
@@ -86,7 +96,7 @@ pub(super) fn chunk<C: Cell>(
     let mut inverse0: Floats = [0.0; LANES];
     let mut inverse1: Floats = [0.0; LANES];
     let mut front: Ints = [0; LANES];
-    let mut folded = 0_u32;
+    let mut rest = false;
     for l in 0..LANES {
         let x = [
             bx[l] - ax[l],
@@ -113,10 +123,11 @@ pub(super) fn chunk<C: Cell>(
         inverse1[l] = 1.0 / area1.abs();
         front[l] = i32::from((area0 < 0.0) | (area1 < 0.0));
         let fold = ((area0 < 0.0) & (area1 > 0.0)) | ((area0 > 0.0) & (area1 < 0.0));
-        folded |= u32::from(fold) << l;
+        small[l] = if fold { 0 } else { small[l] };
+        touching[l] -= small[l];
+        rest |= touching[l] != 0;
     }
-    let left_over = touching & !(small & !folded);
-    small &= !folded;
+    let left_over = if rest { mask(&touching) } else { 0 };
 
     let (za, zb) = (&block.depth[upper], &block.depth[upper1]);
     let (zc, zd) = (&block.depth[lower1], &block.depth[lower]);
@@ -128,19 +139,16 @@ pub(super) fn chunk<C: Cell>(
         let mut down: Ints = [0; LANES];
         let mut base: Ints = [0; LANES];
         let mut row: [Floats; 5] = [[0.0; LANES]; 5];
-        let (mut most_across, mut most_down) = (0, 0);
         for l in 0..LANES {
             let px = first_pixel(x_low[l], ox).max(tile.x0);
             let py = first_pixel(y_low[l], oy).max(tile.y0);
-            let live = (small >> l) & 1 != 0;
+            let live = small[l] != 0;
             let mut nx = first_pixel(x_high[l], ox).min(tile_right) - px;
             let mut ny = first_pixel(y_high[l], oy).min(tile_bottom) - py;
             let some = live & (nx > 0) & (ny > 0);
             nx = if some { nx } else { 0 };
             ny = if some { ny } else { 0 };
             (across[l], down[l]) = (nx, ny);
-            most_across = most_across.max(nx);
-            most_down = most_down.max(ny);
             base[l] = (py - tile.y0) * stride + (px - tile.x0);
             let (x, y) = (px * 256 + ox, py * 256 + oy);
             let (xa, ya) = ((x - ax[l]) as f32, (y - ay[l]) as f32);
@@ -154,8 +162,19 @@ pub(super) fn chunk<C: Cell>(
         }
         let plane_at = tile.plane(s);
         let plane_end = tile.plane(s + 1);
-        for slot_y in 0..most_down {
-            for slot_x in 0..most_across {
+        let mut batch = Batch::default();
+        'slots: for slot_y in 0..WINDOW {
+            for slot_x in 0..WINDOW {
+                let mut any = false;
+                for l in 0..LANES {
+                    any |= (slot_x < across[l]) & (slot_y < down[l]);
+                }
+                if !any {
+                    if slot_x == 0 {
+                        break 'slots;
+                    }
+                    break;
+                }
                 let step = (slot_x * 256) as f32;
                 let mut depth: Floats = [0.0; LANES];
                 let mut masks = 0_u32;
@@ -180,14 +199,14 @@ pub(super) fn chunk<C: Cell>(
                     let inverse = select_unpredictable(half0, inverse0[l], inverse1[l]);
                     depth[l] = ((w0 * za[l] + ac.abs() * z1) + w2 * zc[l]) * inverse;
                 }
-                let slot = slot_y * stride + slot_x;
-                let plane = &mut tile.cells[plane_at..plane_end];
-                let (mut hits, second) = (masks & 0xffff, masks >> LANES);
-                while hits != 0 {
-                    let l = (hits.trailing_zeros() as usize) & (LANES - 1);
-                    hits &= hits - 1;
-                    let id = chunk.id + 2 * l as u32 + ((second >> l) & 1);
-                    plane[(base[l] + slot) as usize].put(true, depth[l], id, front[l] != 0);
+                batch.depth[batch.len] = depth;
+                batch.offset[batch.len] = slot_y * stride + slot_x;
+                batch.hits |= u64::from(masks & 0xffff) << (LANES * batch.len);
+                batch.second |= u64::from(masks >> LANES) << (LANES * batch.len);
+                batch.len += 1;
+                if batch.len == SLOTS {
+                    let plane = &mut tile.cells[plane_at..plane_end];
+                    batch.put(plane, &base, &front, chunk.id);
                 }
             }
             for l in 0..LANES {
@@ -196,8 +215,53 @@ pub(super) fn chunk<C: Cell>(
                 }
             }
         }
+        let plane = &mut tile.cells[plane_at..plane_end];
+        batch.put(plane, &base, &front, chunk.id);
     }
     left_over
+}
+
+/// One bit per lane that is not 0.
+#[inline(always)]
+fn mask(lanes: &Ints) -> u32 {
+    let mut mask = 0;
+    for l in 0..LANES {
+        mask |= u32::from(lanes[l] != 0) << l;
+    }
+    mask
+}
+
+/// Slots whose hits are put together.
+const SLOTS: usize = 4;
+
+/// Hits of a few slots. How many there are is hard to foresee for a processor: one loop over those of all slots is wrong about its
+/// end once, where a loop per slot is for each.
+#[derive(Default)]
+struct Batch {
+    depth: [Floats; SLOTS],
+    /// Of the slot's sample from each lane's first, in cells.
+    offset: [i32; SLOTS],
+    /// Lanes of all slots, bit by bit: those that are hit, and those whose hit is in half 1.
+    hits: u64,
+    second: u64,
+    len: usize,
+}
+
+impl Batch {
+    #[inline(always)]
+    fn put<C: Cell>(&mut self, plane: &mut [C], base: &Ints, front: &Ints, id: u32) {
+        let depth = self.depth.as_flattened();
+        while self.hits != 0 {
+            let k = self.hits.trailing_zeros() as usize & (SLOTS * LANES - 1);
+            self.hits &= self.hits - 1;
+            let l = k & (LANES - 1);
+            let at = base[l] + self.offset[k / LANES];
+            let id = id + 2 * l as u32 + (self.second >> k & 1) as u32;
+            plane[at as usize].put(true, depth[k], id, front[l] != 0);
+        }
+        self.second = 0;
+        self.len = 0;
+    }
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ pub use project::{GUARD_BAND, ProjectedBlock, project};
 pub use samples::sample_positions;
 pub use setup::{PixelBox, bounds};
 pub use tile::{Cell, Coverage, Key, Tile, tile_side};
-pub use weights::{barycentrics, list_weights, triangle_weights};
+pub use weights::{SampleLanes, barycentrics, list_weights, triangle_weights};
 
 /// Pictures are at most this many pixels wide and high, for all of them to lie inside the [`GUARD_BAND`].
 pub const MAX_SCREEN: u32 = (GUARD_BAND / 256 - 1) as u32;

@@ -5,6 +5,7 @@
 //! `X/W`, `Y/W` and `1/W` by IEEE division; then rounding to the nearest integer, ties to even.
 
 use super::edge::ScreenVertex;
+use super::setup::{DEPTH_MARGIN, PixelBox};
 use crate::dispatch;
 use crate::records::{BLOCK_LEN, BLOCK_STRIDE, BlockSize, Grid3, Projection};
 use crate::simd::{LANES, Level};
@@ -35,6 +36,7 @@ pub struct ProjectedBlock {
     pub(super) ortho: bool,
     pub(super) low: [i32; 2],
     pub(super) high: [i32; 2],
+    pub(super) nearest: f32,
 }
 
 impl ProjectedBlock {
@@ -56,6 +58,7 @@ impl ProjectedBlock {
             ortho: false,
             low: [0; 2],
             high: [0; 2],
+            nearest: 0.0,
         })
     }
 
@@ -75,6 +78,20 @@ impl ProjectedBlock {
     #[must_use]
     pub fn bounds(&self) -> [[i32; 2]; 2] {
         [self.low, self.high]
+    }
+
+    /// The pixels that the block may touch and its nearest depth, for asking whether it is hidden; `None` for clipped blocks.
+    #[must_use]
+    pub fn pixel_box(&self) -> Option<PixelBox> {
+        if self.clip {
+            return None;
+        }
+        let pixel = |v: i32, up: i32| (((v + up) >> 8).max(0)) as u32;
+        Some(PixelBox {
+            low: self.low.map(|v| pixel(v, 0)),
+            high: self.high.map(|v| pixel(v, 255)),
+            nearest: self.nearest * DEPTH_MARGIN,
+        })
     }
 
     /// Screen position, 1/256 pixel, of the point in column `i` and row `j`; meaningless for a clipped one.
@@ -184,6 +201,7 @@ fn project_rows<const ORTHO: bool>(grid: &Grid3, p: &Projection, out: &mut Proje
     let mut high_x = [i32::MIN; LANES];
     let mut high_y = [i32::MIN; LANES];
     let mut outside = [0_u32; LANES];
+    let mut nearest = [0.0_f32; LANES];
     for j in 0..rows {
         for i0 in (0..cols).step_by(LANES) {
             let range = j * BLOCK_STRIDE + i0..j * BLOCK_STRIDE + i0 + LANES;
@@ -206,6 +224,8 @@ fn project_rows<const ORTHO: bool>(grid: &Grid3, p: &Projection, out: &mut Proje
                 (ox[l], oy[l], od[l]) = (sx, sy, depth);
                 let real = (l as i32) < real;
                 outside[l] |= u32::from(real & !inside);
+                let near = if real { depth } else { 0.0 };
+                nearest[l] = if near > nearest[l] { near } else { nearest[l] };
                 low_x[l] = low_x[l].min(if real { sx } else { i32::MAX });
                 low_y[l] = low_y[l].min(if real { sy } else { i32::MAX });
                 high_x[l] = high_x[l].max(if real { sx } else { i32::MIN });
@@ -221,6 +241,7 @@ fn project_rows<const ORTHO: bool>(grid: &Grid3, p: &Projection, out: &mut Proje
     out.clip = outside.iter().any(|&o| o != 0);
     out.low = [least(low_x), least(low_y)];
     out.high = [most(high_x), most(high_y)];
+    out.nearest = nearest.into_iter().fold(0.0, f32::max);
 }
 
 /// Second pass over the few blocks that are clipped.

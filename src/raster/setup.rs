@@ -8,7 +8,7 @@ use crate::records::{Projection, ScreenSize};
 const MARGIN: f32 = 32.0;
 
 /// Added to nearest depths, relative; for the same reason.
-const DEPTH_MARGIN: f32 = 1.0 + 1.0 / 16384.0;
+pub(super) const DEPTH_MARGIN: f32 = 1.0 + 1.0 / 16384.0;
 
 /// Pixels that a convex hull may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]

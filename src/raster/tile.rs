@@ -4,7 +4,10 @@
 //! Cells stand sample plane by sample plane, row by row, and every row ends in an apron of [`APRON`] unused cells, so that vectors
 //! of pixels may overrun the right border unmasked. A tile at its usual size fits the level 2 cache of a core.
 
+use super::setup::PixelBox;
+use crate::dispatch;
 use crate::records::SampleId;
+use crate::simd::Level;
 
 /// Unused cells at the end of every row of a tile.
 pub(super) const APRON: usize = 16;
@@ -200,6 +203,26 @@ impl Tile<Key> {
         self.cells[at] = self.cells[at].max(key);
     }
 
+    /// Whether something nearer than all of a box's depths stands at every sample of the box in the tile: a surface inside the hull
+    /// that the box was made of changes nothing then.
+    #[must_use]
+    pub fn hides(&self, level: Level, hull: &PixelBox) -> bool {
+        let clip = |v: u32, from: i32, size: i32| (v as i32 - from).clamp(0, size) as usize;
+        let [x0, x1] = [hull.low[0], hull.high[0]].map(|x| clip(x, self.x0, self.width));
+        let [y0, y1] = [hull.low[1], hull.high[1]].map(|y| clip(y, self.y0, self.height));
+        if x0 >= x1 {
+            return true;
+        }
+        // The largest key at that depth: ids decide among equals, so the sample must be nearer.
+        let most = u64::from(hull.nearest.to_bits()) << 32 | 0xffff_ffff;
+        (0..self.samples as usize).all(|s| {
+            (y0..y1).all(|y| {
+                let at = self.plane(s) + y * self.stride;
+                dispatch!(level, all_above(&self.cells[at + x0..at + x1], most))
+            })
+        })
+    }
+
     /// Gives every sample that shows something the id that `f` makes of its own; depths stay.
     pub fn update_ids(&mut self, mut f: impl FnMut(SampleId) -> SampleId) {
         for cell in &mut self.cells {
@@ -210,9 +233,50 @@ impl Tile<Key> {
     }
 }
 
+#[inline(always)]
+fn all_above(keys: &[Key], most: u64) -> bool {
+    // Both below 2^63: the signed comparison is the one that vectors have.
+    let mut least = i64::MAX;
+    for key in keys {
+        least = least.min(key.0 as i64);
+    }
+    least > most as i64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_what_is_behind_every_sample_is_hidden() {
+        let mut tile = Tile::<Key>::new(64, 0, 32, 16, 4);
+        let hull = |low: [u32; 2], high: [u32; 2], nearest| PixelBox { low, high, nearest };
+        let all = hull([0, 0], [100, 100], 0.5);
+        for sample in 0..4 {
+            for y in 0..16 {
+                for x in 0..32 {
+                    tile.merge(x, y, sample, Key::new(0.6, SampleId(7)));
+                }
+            }
+        }
+        for level in Level::available() {
+            assert!(tile.hides(level, &all));
+            // Among equal depths the id decides, so nothing is hidden.
+            assert!(!tile.hides(level, &hull([0, 0], [100, 100], 0.6)));
+            assert!(!tile.hides(level, &hull([0, 0], [100, 100], f32::MAX)));
+            // Beside the tile.
+            assert!(tile.hides(level, &hull([0, 0], [64, 100], 9.0)));
+        }
+        // One sample that shows nothing.
+        let at = tile.plane(3) + 5 * tile.stride + 9;
+        tile.cells[at] = Key::EMPTY;
+        for level in Level::available() {
+            assert!(!tile.hides(level, &all));
+            assert!(!tile.hides(level, &hull([73, 5], [74, 6], 0.5)));
+            assert!(tile.hides(level, &hull([74, 5], [90, 6], 0.5)));
+            assert!(tile.hides(level, &hull([64, 6], [96, 16], 0.5)));
+        }
+    }
 
     #[test]
     fn keys_order_by_depth_then_lower_id() {

@@ -165,8 +165,19 @@ fn vertex_limit<T: Real>(
     }
 }
 
+/// Two tangents of every vertex under an interpolating scheme, those of the first sector, as linear maps of `points`.
+pub(super) fn interpolating_tangents(step: &Step<'_>, points: &[Point]) -> [Vec<Point>; 2] {
+    let masks = Tangents::new(step.options.scheme);
+    let both: Vec<[Point; 2]> = (0..points.len() as u32)
+        .into_par_iter()
+        .with_min_len(1 << 8)
+        .map(|v| masks.pair(step, points, v))
+        .collect();
+    [0, 1].map(|k| both.iter().map(|pair| pair[k]).collect())
+}
+
 /// Limits of values that go by the rules of points, and on demand two tangents each, those of the first sector; interpolating schemes
-/// have none here.
+/// have theirs elsewhere.
 pub(super) fn values<T: Real>(
     step: &Step<'_>,
     tables: &Tables,

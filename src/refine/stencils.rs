@@ -102,7 +102,7 @@ const ENTRY_BYTES: u128 = 40;
 /// The stencils of all points of level `levels` over the points of level 0, or of their limits with two tangents.
 ///
 /// Rows are in the order of the level's points; `topology` is that of the cage. A vertex of no face is its own row. Interpolating schemes have
-/// their points for limits, and no tangents.
+/// their points for limits; their tangents reach one ring further than points.
 ///
 /// # Errors
 /// [`RefineError`] when they do not fit `max_bytes` or 32-bit indices.
@@ -114,7 +114,7 @@ pub fn stencils(
     max_bytes: Option<u64>,
 ) -> Result<Stencils, RefineError> {
     let allowed = max_bytes.map_or(u128::MAX, u128::from);
-    let rings = support::rings(options.scheme);
+    let rings = support::rings(options.scheme, limit);
     let surroundings = support::bytes(topology, rings);
     let too_much = |needed: u128| RefineError::TooMuchMemory {
         level: levels,
@@ -157,10 +157,19 @@ pub fn stencils(
     };
     let level = refine(base, options, levels, None, &mut Timings::default())?;
     let parts = level.channels.vertex[0].parts();
-    if !limit || options.scheme.is_interpolating() {
+    if !limit {
         return Ok(rows(&level, &support, parts, None));
     }
     let step = Step::new(&level.topology, options);
+    if options.scheme.is_interpolating() {
+        let mut tangents = [Vec::new(), Vec::new()];
+        for part in parts {
+            let [a, b] = limit::interpolating_tangents(&step, part);
+            tangents[0].push(a);
+            tangents[1].push(b);
+        }
+        return Ok(rows(&level, &support, parts, Some(&tangents)));
+    }
     let tables = Tables::new(options.scheme == Scheme::Loop);
     let mut positions = Vec::with_capacity(parts.len());
     let mut tangents = [Vec::new(), Vec::new()];

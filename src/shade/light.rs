@@ -76,10 +76,29 @@ impl LightRig {
         to_eye: [f32; 3],
         albedo: [f32; 3],
     ) -> [f32; 3] {
-        let v = unit(to_eye);
         // The side seen is the geometry's matter: near the silhouette a limit normal may lean away from the eye.
-        let side = if dot(geometric, v) < 0.0 { -1.0 } else { 1.0 };
+        let side = if dot(geometric, unit(to_eye)) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        self.light_side(normal, side, to_eye, albedo)
+    }
+
+    /// The same where the side seen is known: 1 the front, -1 the back; 0 leaves it to the normal.
+    #[must_use]
+    #[inline(always)]
+    pub fn light_side(
+        &self,
+        normal: [f32; 3],
+        side: f32,
+        to_eye: [f32; 3],
+        albedo: [f32; 3],
+    ) -> [f32; 3] {
+        let v = unit(to_eye);
         let n = unit(normal);
+        let turned = if dot(n, v) < 0.0 { -1.0 } else { 1.0 };
+        let side = if side == 0.0 { turned } else { side };
         let n = [n[0] * side, n[1] * side, n[2] * side];
 
         let key = wrapped(dot(n, self.key.toward));

@@ -10,12 +10,12 @@ mod surface;
 
 pub use light::LightRig;
 pub use relief::Relief;
-pub use surface::{NO_MATERIAL, SurfaceMaterial, SurfacePoint};
+pub use surface::{NO_MATERIAL, SurfaceMaterial, SurfacePoint, has_direction};
 
 use crate::camera::View;
 use crate::film::Encoding;
-use crate::math::saturate;
-use crate::simd::Level;
+use crate::math::{DVec3, saturate};
+use crate::simd::{LANES, Level};
 use crate::texture::Texture;
 
 /// Points shaded together by [`Shader::shade_all`]. 16 fills the widest vector registers; the arrays of one group take 1 KB.
@@ -72,6 +72,7 @@ pub struct Shader<'a> {
     lights: LightRig,
     eye: [f32; 3],
     back: [f32; 3],
+    rays: [[f32; 3]; 3],
     ortho: bool,
     default: SurfaceMaterial,
     materials: &'a [SurfaceMaterial],
@@ -94,6 +95,7 @@ impl<'a> Shader<'a> {
             lights: LightRig::new(view),
             eye: view.eye,
             back: view.forward.map(|c| -c),
+            rays: rays_to_eye(view),
             ortho: view.projection.ortho,
             default: SurfaceMaterial::CLAY,
             materials,
@@ -190,6 +192,43 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// Vector to the eye, of any length, from what is seen at a place of the screen, 1/256 pixel.
+    #[must_use]
+    #[inline]
+    pub fn to_eye(&self, x: i32, y: i32) -> [f32; 3] {
+        along(&self.rays, x, y)
+    }
+
+    /// Opaque surfaces under light in lanes: `x` and `y` are positions on the screen, 1/256 pixel; `side` is 1 where the front is
+    /// seen, -1 where the back is, 0 where the normal decides. Normals have any length but a direction. The vector to the eye is that of the pixel, not of the
+    /// point: the same but for rounding. Linear colours, component by component.
+    #[must_use]
+    #[inline(always)]
+    pub fn light_lanes(
+        &self,
+        normals: &[[f32; LANES]; 3],
+        side: &[f32; LANES],
+        x: &[i32; LANES],
+        y: &[i32; LANES],
+        albedo: &[[f32; LANES]; 3],
+    ) -> [[f32; LANES]; 3] {
+        let mut out = [[0.0_f32; LANES]; 3];
+        let rays = self.rays;
+        for l in 0..LANES {
+            let to_eye = along(&rays, x[l], y[l]);
+            let light = self.lights.light_side(
+                [normals[0][l], normals[1][l], normals[2][l]],
+                side[l],
+                to_eye,
+                [albedo[0][l], albedo[1][l], albedo[2][l]],
+            );
+            for k in 0..3 {
+                out[k][l] = light[k];
+            }
+        }
+        out
+    }
+
     /// One group under light: gather component by component, light all lanes, scatter.
     #[inline(always)]
     fn light_group(&self, points: &[SurfacePoint], out: &mut [[f32; 4]]) {
@@ -273,10 +312,90 @@ impl<'a> Shader<'a> {
     }
 }
 
+/// Vectors to the eye as a linear function of the place on the screen, in 1/256 pixel: `x * r[0] + (y * r[1] + r[2])`. Those of
+/// a perspective view are the negative directions of distance 1, by inverting the projection's three rows.
+fn rays_to_eye(view: &View) -> [[f32; 3]; 3] {
+    let p = &view.projection;
+    if p.ortho {
+        return [[0.0; 3], [0.0; 3], view.forward.map(|c| -c)];
+    }
+    let row = |r: &[f32; 4]| DVec3::new(r[0].into(), r[1].into(), r[2].into());
+    let (x, y, w) = (row(&p.x), row(&p.y), row(&p.w));
+    let k = -1.0 / x.dot(y.cross(w));
+    [y.cross(w) * k, w.cross(x) * k, x.cross(y) * k].map(|v| [v.x as f32, v.y as f32, v.z as f32])
+}
+
+#[inline(always)]
+fn along(rays: &[[f32; 3]; 3], x: i32, y: i32) -> [f32; 3] {
+    let (x, y) = (x as f32, y as f32);
+    let at = |k: usize| rays[0][k] * x + (rays[1][k] * y + rays[2][k]);
+    [at(0), at(1), at(2)]
+}
+
 /// Colour times opacity, both brought to the range from 0 to 1; what is not a number becomes 0.
 #[inline(always)]
 fn premultiply(rgb: [f32; 3], alpha: f32) -> [f32; 4] {
     let a = saturate(alpha);
     let channel = |k: usize| saturate(rgb[k]) * a;
     [channel(0), channel(1), channel(2), a]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Sphere};
+    use crate::records::ScreenSize;
+
+    #[test]
+    fn lanes_light_as_single_points_do() {
+        let size = ScreenSize {
+            width: 200,
+            height: 150,
+            samples: 1,
+        };
+        let sphere = Sphere {
+            center: [1.0, 2.0, 3.0],
+            radius: 2.0,
+        };
+        for camera in [Camera::default(), Camera::default().with_ortho()] {
+            let view = camera.framing(&sphere, size).unwrap();
+            let shader = Shader::new(ShadeMode::Lit, &view, &[], &[]);
+            let p = &view.projection;
+            for k in 0..400 {
+                let turn = |i: i32| libm::sinf((k * i) as f32 * 0.7);
+                let normal = [turn(3), turn(5), turn(7)];
+                let position = [0, 1, 2].map(|i| sphere.center[i] as f32 + normal[i]);
+                let row = |r: &[f32; 4]| crate::math::dot([r[0], r[1], r[2]], position) + r[3];
+                let w = if p.ortho { 1.0 } else { row(&p.w) };
+                let (x, y) = ((row(&p.x) / w) as i32, (row(&p.y) / w) as i32);
+                let point = SurfacePoint {
+                    position,
+                    normal,
+                    geometric: normal,
+                    ..SurfacePoint::default()
+                };
+                // From behind, the same place is lit as its other side.
+                let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+                let facing = crate::math::dot(normal, shader.to_eye(x, y)) > 0.0;
+                let want = shader.shade(&point);
+                let albedo = shader.albedo(&point);
+                let lanes = |side: f32| {
+                    let albedo = [0, 1, 2].map(|i| [albedo[i]; LANES]);
+                    let normals = normal.map(|c| [c * side; LANES]);
+                    let towards = if facing { side } else { -side };
+                    shader.light_lanes(
+                        &normals,
+                        &[towards; LANES],
+                        &[x; LANES],
+                        &[y; LANES],
+                        &albedo,
+                    )
+                };
+                for (i, got) in lanes(side).iter().enumerate() {
+                    assert!((got[0] - want[i]).abs() < 2e-4, "{got:?} {want:?}");
+                    assert_eq!(got, &[got[0]; LANES]);
+                }
+            }
+        }
+    }
 }

@@ -2,8 +2,8 @@
 //!
 //! A normal map holds vectors in the tangent space that MikkTSpace made common (Mikkelsen, *Simulation of wrinkled surfaces revisited*,
 //! 2008): x along growing u, y along growing v (green points up in the picture), z along the normal; the tangent is made orthogonal to the
-//! normal, and the bitangent is their cross product, turned round where texture coordinates are mirrored. Codes from 0 to 1 stand for −1 to
-//! 1. Tangents are those of the limit surface at the place itself, from its derivatives and those of the texture coordinates, and not
+//! normal, and the bitangent is their cross product, turned round where texture coordinates are mirrored. Codes stand for numbers from −1
+//! to 1. Tangents are those of the limit surface at the place itself, from its derivatives and those of the texture coordinates, and not
 //! averaged over vertices.
 //!
 //! A bump map holds heights; its slopes tilt the normal (Blinn, *Simulation of wrinkled surfaces*, 1978). Heights are lengths in texture

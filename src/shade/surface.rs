@@ -89,8 +89,10 @@ impl SurfacePoint {
     }
 }
 
+/// Whether a vector can be brought to length 1.
+#[must_use]
 #[inline]
-fn has_direction(v: [f32; 3]) -> bool {
+pub fn has_direction(v: [f32; 3]) -> bool {
     let d = dot(v, v);
     (f32::MIN_POSITIVE..=f32::MAX).contains(&d)
 }

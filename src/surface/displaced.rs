@@ -492,8 +492,7 @@ impl DisplacedPatch {
             }
         });
         on.displacement.grid(
-            self.simd,
-            size,
+            (self.simd, size),
             points,
             &work.directions,
             &work.uvs,
@@ -531,8 +530,7 @@ impl DisplacedPatch {
             let [own, own_uv] = &mut work.own;
             let found = own.row::<2>(
                 surface,
-                Kind::Points,
-                self.level,
+                (Kind::Points, self.level),
                 self.face,
                 row,
                 self.simd,
@@ -721,8 +719,7 @@ impl DisplacedPatch {
             }
             work.normals.clone_from(&work.limits);
             on.displacement.grid(
-                self.simd,
-                size,
+                (self.simd, size),
                 &mut work.normals,
                 &work.directions,
                 &work.uvs,
@@ -836,8 +833,7 @@ impl DisplacedPatch {
             let [own, own_uv] = &mut work.own;
             if !own.row::<2>(
                 surface,
-                Kind::Points,
-                self.level,
+                (Kind::Points, self.level),
                 self.face,
                 row,
                 self.simd,
@@ -881,8 +877,7 @@ impl DisplacedPatch {
         }
         if !jets.row::<1>(
             surface,
-            Kind::Uvs,
-            self.level,
+            (Kind::Uvs, self.level),
             self.face,
             row,
             self.simd,

@@ -97,8 +97,7 @@ impl Jets {
     pub(super) fn row<const ORDER: u32>(
         &mut self,
         surface: &Surface,
-        kind: Kind,
-        level: u32,
+        (kind, level): (Kind, u32),
         face: u32,
         (part, j): (Part, u32),
         simd: Level,

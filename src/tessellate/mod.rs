@@ -1,9 +1,10 @@
 //! Adaptive tessellation: how far each part of the surface is cut up, decided before anything is drawn.
 //!
-//! Who decides is a stage of its own: [`flatness`], in pixels, or [`depth_tags`], per vertex of the cage. What comes of it is the same whoever decided: every face has a quadtree of
-//! blocks (`quadtree`), every cage edge a binary tree of splits (`tree`), and `blocks` makes of both what is drawn. Blocks at every line get
-//! the points that both of its sides have; what is finer on one side is *moved*: a point that the coarser side does not have goes to the
-//! nearest that it has (Bunnell's T-vertices). So a block is a grid still, triangles beside the line become a fan, and no crack can open.
+//! Who decides is a stage of its own: [`flatness`], in pixels, or [`depth_tags`], per vertex of the cage. What comes of it is the same
+//! whoever decided: every face has a quadtree of blocks (`quadtree`), every cage edge a binary tree of splits (`tree`), and `blocks` makes
+//! of both what is drawn. Blocks at every line get the points that both of its sides have; what is finer on one side is *moved*: a point
+//! that the coarser side does not have goes to the nearest that it has (Bunnell's T-vertices). So a block is a grid still, triangles
+//! beside the line become a fan, and no crack can open.
 //!
 //! Dicing gives a point the same bits at every level (`dice::face`), so an edge needs no more than its tree to look the same from both
 //! faces, whatever their levels.

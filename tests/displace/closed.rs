@@ -63,13 +63,16 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 #[test]
 fn closed_models_have_as_many_fronts_as_backs() {
     for (name, scene) in scenes() {
-        for level in [0, 1, 3, 6] {
+        for level in [0, 1, 2, 3, 5, 6] {
             if level > 3 && scene.face_count() > 200 {
                 continue;
             }
             let c = coverage::count(&scene, 96, level, 4, CoverageFault::None);
             assert!(c.covered > 1000, "{name} level {level}: {c:?}");
             assert_eq!(c.unequal, 0, "{name} level {level}: {c:?}");
+        }
+        if scene.objects[0].surface.scheme().is_interpolating() {
+            continue;
         }
         for pixels in [0.25, 2.0, 20.0] {
             let mut renderer = coverage::renderer(96, 0);

@@ -168,11 +168,11 @@ fn neighbours_differ_by_ten_levels() {
 #[test]
 fn a_broken_rule_is_noticed() {
     let mut scene = load("torus", Scheme::CatmullClark);
-    tag(&mut scene, &[0, 2, 5], 1);
+    tag(&mut scene, &[3, 5, 6], 1);
     for pattern in PATTERNS {
-        let mut renderer = coverage::renderer(256, 0);
+        let mut renderer = coverage::renderer(384, 0);
         renderer.refinement = given(pattern);
-        let views = coverage::views(&scene, &renderer, 4, 3);
+        let views = coverage::views(&scene, &renderer, 6, 3);
         let fault = CoverageFault::NoTieRule;
         let counts = views
             .iter()

@@ -8,6 +8,7 @@
 
 mod patch;
 mod place;
+mod side;
 
 use super::regular::{LANES, LINE, Line};
 use std::sync::OnceLock;

@@ -11,8 +11,10 @@ use super::rings::{RingMasks, gather};
 use super::sectors::{across, minus};
 use crate::refine::Options;
 use crate::refine::interpolating::Sheets;
+use crate::refine::real::add_scaled;
 use crate::refine::sharpness::Step;
 use crate::scheme::Scheme;
+use crate::topology::{NONE, Ring};
 use std::f64::consts::PI;
 
 /// How often the surroundings of a vertex may be refined to make its neighbours regular.
@@ -85,6 +87,69 @@ impl Tangents {
                 double([0, 1, 2].map(|k| (8.0 * near[k] - far[k]) / 6.0))
             }
         })
+    }
+}
+
+impl Tangents {
+    /// Two tangents at vertex `v` as linear maps of `points`: they span the tangent plane of its first sector, and their cross product points
+    /// outward but at reflex corners; lengths mean nothing. Zero at a vertex of no face.
+    pub(crate) fn pair(&self, step: &Step<'_>, points: &[Point], v: u32) -> [Point; 2] {
+        let t = step.topology;
+        if t.fans[v as usize].first == NONE {
+            return [[0.0; 3]; 2];
+        }
+        let sheets = Sheets::<f64, f64, 3>::of_points(step, self.masks(), points);
+        let cut = Ring::of_fan(t, v).find(|&h| sheets.twin(h) == NONE);
+        let start = cut.unwrap_or(t.fans[v as usize].first);
+        self.pair_at(step, points, start, SPARE)
+    }
+
+    fn pair_at(&self, step: &Step<'_>, points: &[Point], start: u32, spare: u32) -> [Point; 2] {
+        let (t, masks) = (step.topology, self.rings());
+        let sheets = Sheets::<f64, f64, 3>::of_points(step, &masks.stencils, points);
+        let sector = Sector::new(t, &sheets, start);
+        let quads = masks.scheme == Scheme::Kobbelt;
+        if spare > 0
+            && quads
+            && (step.is_linear() || sector.has_odd_neighbour(t, &sheets))
+            && let Some((level, corner)) = refined_around(step, points, t.vertex(start), start)
+        {
+            let options = Options {
+                scheme: masks.scheme,
+                ..step.options
+            };
+            let step = Step::new(&level.topology, &options);
+            return self.pair_at(&step, &level.points, corner, spare - 1);
+        }
+        let x = sheets.at(start);
+        let ring = gather(t, &sheets, masks.scheme, &sector.halves, sector.closed);
+        let count = sector.halves.len();
+        let edges = if sector.closed { count } else { count + 1 };
+        let straight = edges + if quads { 0 } else { count };
+        let basis = match (sector.closed, sheets.runs_through(start)) {
+            (true, _) => closed(masks, count as u32, &ring, &x),
+            (false, true) => open(masks, count as u32, &ring, &x, straight),
+            (false, false) => None,
+        };
+        if let Some(basis) = basis {
+            return [basis.first, basis.second];
+        }
+        // Rows that end go on as their mirror images. At the end of a crease they are one row: the other tangent is across it.
+        let row = |i: usize| {
+            let near = minus(&ring[i % edges], &x);
+            let far = minus(&ring[straight + i % edges], &x);
+            [0, 1, 2].map(|k| 8.0 * near[k] - far[k])
+        };
+        let last = sector.halves[count - 1];
+        if t.twin(start) != t.prev(last) {
+            return [row(0), row(count)];
+        }
+        let mut across = [0.0; 3];
+        for (i, p) in ring[..count].iter().enumerate() {
+            let angle = 2.0 * PI * i as f64 / count as f64;
+            add_scaled(&mut across, libm::sin(angle), &minus(p, &x));
+        }
+        [row(0), across]
     }
 }
 

@@ -3,12 +3,12 @@
 use crate::scheme::Scheme;
 use crate::topology::Topology;
 
-/// Rings of faces around a face that its points depend on.
-pub(super) fn rings(scheme: Scheme) -> usize {
+/// Rings of faces around a face that its points depend on, or its points and tangents.
+pub(super) fn rings(scheme: Scheme, tangents: bool) -> usize {
     match scheme {
         Scheme::CatmullClark | Scheme::Bilinear | Scheme::Loop => 1,
-        // Four-point rules reach one vertex further, at every level.
-        Scheme::Butterfly | Scheme::Kobbelt => 2,
+        // Four-point rules reach one vertex further, at every level; tangents see two rings of the level after.
+        Scheme::Butterfly | Scheme::Kobbelt => 2 + usize::from(tangents),
     }
 }
 

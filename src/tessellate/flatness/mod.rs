@@ -4,7 +4,7 @@
 //! chords are as close to the limit curve as wanted on the screen, a face until its triangles are. Other than there, nothing is passed on:
 //!
 //! 1. `faces`: every face gets a quadtree whose leaves are blocks of at most 32×32 micro-quads, of the level that the surface inside of
-//!    it needs (`cells`).
+//!    it needs: as deep as the points of the next steps lie off its triangles (`surplus`).
 //! 2. `edges`: every cage edge gets a binary tree of splits, once: from its own curve, and from both faces, whose triangles beside it
 //!    should not be drawn out.
 
@@ -52,14 +52,13 @@ impl Default for Flatness {
 /// A budget was reached.
 pub(crate) fn tessellate(
     surface: &Surface,
-    view: &View,
-    flatness: &Flatness,
+    (view, flatness): (&View, &Flatness),
+    simd: Level,
     limits: &Limits,
     budget: &mut Budget<'_>,
     is_drawn: impl Fn(u32, &mut Vec<[f32; 3]>) -> bool + Sync,
 ) -> Result<Tessellation, LimitError> {
     let most = flatness.max_level.min(MAX_LEVEL);
-    let simd = Level::detect();
     let mut level = match surface.has_tables() {
         true => most.min(FIRST_TABLES),
         false => MAX_LEVEL,

@@ -1,0 +1,429 @@
+//! The second half of a tile: blocks that are seen are diced again with what shading needs, their fragments get colours, and pixels
+//! their bytes.
+//!
+//! What most pictures are full of, opaque surfaces under light without textures, goes in lanes from the samples' ids to colours, or to
+//! bytes where a pixel has one sample. Everything else goes by [`SurfacePoint`]s.
+
+use super::Frame;
+use super::source::{Attributes, Source};
+use super::spot::{self, Listed, Quad, Spot};
+use super::stats::Stage;
+use super::tile::{Drawn, Scratch};
+use super::visible::Fragment;
+use crate::dispatch;
+use crate::displace::Displacement;
+use crate::raster::{ProjectedBlock, SampleLanes, project, sample_positions};
+use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
+use crate::shade::{ShadeMode, SurfacePoint, has_direction};
+use crate::simd::LANES;
+
+/// Micro-quads by which samples of a pixel may be apart to be shaded together, as a part of a block's side: an eighth.
+const REACH: usize = 8;
+
+/// See [`REACH`]; in micro-quads.
+pub(super) fn reach(size: BlockSize) -> u8 {
+    ((size.cols.max(size.rows) - 1) / REACH) as u8
+}
+
+/// Colours of fragments on their way to pixels.
+#[derive(Debug, Default)]
+pub(super) struct Pixels {
+    /// Pixels of the tile, row by row.
+    pub(super) bytes: Vec<[u8; 4]>,
+    /// Where a pixel has several samples: their colours added up.
+    sums: Vec<[f32; 4]>,
+    width: usize,
+}
+
+impl Pixels {
+    /// Makes all pixels of a tile empty.
+    pub(super) fn clear(&mut self, [width, height]: [u32; 2], empty: [u8; 4]) {
+        self.width = width as usize;
+        self.bytes.clear();
+        self.bytes.resize((width * height) as usize, empty);
+    }
+
+    #[inline(always)]
+    fn index(&self, f: Fragment) -> usize {
+        f.y() as usize * self.width + f.x() as usize
+    }
+}
+
+/// Shades what `visible` holds.
+pub(super) fn shade(frame: &Frame<'_>, s: &mut Scratch) {
+    let [width, height] = s.tile.size();
+    let single = frame.size.samples == 1;
+    if !single {
+        // Only what the spans hold is read again.
+        s.pixels.sums.resize((width * height) as usize, [0.0; 4]);
+        for (y, &[low, high]) in s.visible.spans.iter().enumerate() {
+            if low < high {
+                let row = y * width as usize;
+                s.pixels.sums[row + low as usize..row + high as usize].fill([0.0; 4]);
+            }
+        }
+    }
+    for rank in 0..s.drawn.len() {
+        if s.visible.of_rank(rank).is_empty() {
+            continue;
+        }
+        shade_block(frame, s, rank);
+    }
+}
+
+/// Dices a block again and shades its fragments.
+fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
+    let clock = s.times.start();
+    let Drawn { item, block } = s.drawn[rank];
+    let source = frame.source_of(item);
+    let local = item - source.first_item;
+    let (size, list) = (source.block_size(local), source.list(local));
+    source.dice(
+        &mut s.source,
+        local,
+        block,
+        &mut s.points,
+        Some(&mut s.attributes),
+    );
+    project(
+        frame.simd,
+        &s.points,
+        size,
+        &frame.view.projection,
+        &mut s.projected,
+    );
+    if s.attributes.has_uvs {
+        footprints(
+            &s.projected,
+            &s.attributes.uvs,
+            list,
+            size,
+            &mut s.footprint,
+        );
+    }
+    let clock = s.times.lap(Stage::Dice, clock);
+    (s.times).shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
+    let face = source.cage_face(local);
+    let template = SurfacePoint {
+        face: source.first_face + face,
+        level: source.level(local),
+        material: source.object.material(face),
+        ..SurfacePoint::default()
+    };
+    let a = &s.attributes;
+    let plain = list.is_none() && !a.has_uvs && !a.has_tangents && !s.projected.is_clipped();
+    if plain && frame.shader.mode() == ShadeMode::Lit {
+        let albedo = frame.shader.albedo(&template);
+        let fragments = s.visible.of_rank(rank);
+        let block = LitBlock {
+            points: &s.points,
+            projected: &s.projected,
+            attributes: &s.attributes,
+            origin: s.tile.origin(),
+            albedo: [albedo[0], albedo[1], albedo[2]],
+        };
+        dispatch!(
+            frame.simd,
+            lit_fragments(frame, &block, fragments, &mut s.pixels)
+        );
+    } else {
+        shade_points(frame, source, s, rank, template);
+    }
+    s.times.stop(Stage::Shade, clock);
+}
+
+/// A block whose fragments are lit in lanes.
+struct LitBlock<'a> {
+    points: &'a Grid3,
+    projected: &'a ProjectedBlock,
+    attributes: &'a Attributes,
+    origin: [u32; 2],
+    albedo: [f32; 3],
+}
+
+#[inline(always)]
+fn lit_fragments(
+    frame: &Frame<'_>,
+    block: &LitBlock<'_>,
+    fragments: &[Fragment],
+    pixels: &mut Pixels,
+) {
+    let samples = frame.size.samples;
+    let positions = sample_positions(samples);
+    let (groups, rest) = fragments.as_chunks::<LANES>();
+    // The last group is filled up with its last fragment.
+    let mut last = [rest.last().copied().unwrap_or_default(); LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    let filled = std::iter::once((&last, rest.len())).filter(|(_, n)| *n > 0);
+    for (lanes, count) in groups.iter().map(|g| (g, LANES)).chain(filled) {
+        let group = &lanes[..count];
+        let mut ids = [0_u32; LANES];
+        let mut x = [0_i32; LANES];
+        let mut y = [0_i32; LANES];
+        for l in 0..LANES {
+            let f = lanes[l];
+            ids[l] = f.id;
+            x[l] = (block.origin[0] + f.x()) as i32 * 256;
+            y[l] = (block.origin[1] + f.y()) as i32 * 256;
+        }
+        if samples == 1 {
+            for l in 0..LANES {
+                x[l] += positions[0][0];
+                y[l] += positions[0][1];
+            }
+        } else {
+            for l in 0..LANES {
+                let [ox, oy] = positions[lanes[l].sample() as usize];
+                x[l] += ox;
+                y[l] += oy;
+            }
+        }
+        let at = SampleLanes::new(block.projected, &ids, &x, &y);
+        let mut normals = at.interpolate(&block.attributes.normals);
+        let mut bad = 0_u32;
+        for l in 0..LANES {
+            let n = [normals[0][l], normals[1][l], normals[2][l]];
+            bad |= u32::from(!has_direction(n)) << l;
+        }
+        while bad != 0 {
+            let l = bad.trailing_zeros() as usize & (LANES - 1);
+            bad &= bad - 1;
+            let to_eye = frame
+                .shader
+                .to_eye(x[l], y[l])
+                .map(|c| c * at.side[l].signum());
+            mend_normal(block.points, ids[l], to_eye, &mut normals, l);
+        }
+        let albedo = albedo_lanes(block, &at);
+        let light = frame
+            .shader
+            .light_lanes(&normals, &at.side, &x, &y, &albedo);
+        if samples == 1 {
+            let bytes = frame.film.opaque_lanes(&light);
+            for (f, bytes) in group.iter().zip(bytes) {
+                let k = pixels.index(*f);
+                pixels.bytes[k] = bytes;
+            }
+        } else {
+            for (l, f) in group.iter().enumerate() {
+                let n = f.count() as f32;
+                let k = pixels.index(*f);
+                let sum = &mut pixels.sums[k];
+                for c in 0..3 {
+                    sum[c] += crate::math::saturate(light[c][l]) * n;
+                }
+                sum[3] += n;
+            }
+        }
+    }
+}
+
+/// Colours of the surface at the samples, linear.
+#[inline(always)]
+fn albedo_lanes(block: &LitBlock<'_>, at: &SampleLanes) -> [[f32; LANES]; 3] {
+    let mut albedo = block.albedo.map(|c| [c; LANES]);
+    if block.attributes.has_colors {
+        let colors = at.interpolate(&block.attributes.colors);
+        for (a, c) in albedo.iter_mut().zip(colors) {
+            for l in 0..LANES {
+                a[l] *= crate::math::positive(c[l]);
+            }
+        }
+    }
+    albedo
+}
+
+/// Gives a sample whose normal has no direction that of its micro-triangle, or one to the eye.
+#[cold]
+fn mend_normal(
+    points: &Grid3,
+    id: u32,
+    to_eye: [f32; 3],
+    normals: &mut [[f32; LANES]; 3],
+    lane: usize,
+) {
+    let n = spot::geometric(points, SampleId(id));
+    let n = if has_direction(n) { n } else { to_eye };
+    for (lanes, n) in normals.iter_mut().zip(n) {
+        lanes[lane] = n;
+    }
+}
+
+/// Fragments of a block point by point.
+fn shade_points(
+    frame: &Frame<'_>,
+    source: &Source<'_>,
+    s: &mut Scratch,
+    rank: usize,
+    template: SurfacePoint,
+) {
+    let [x0, y0] = s.tile.origin();
+    let samples = frame.size.samples;
+    let list = source.list(s.drawn[rank].item - source.first_item);
+    s.surface.clear();
+    for f in s.visible.of_rank(rank) {
+        let id = SampleId(f.id);
+        let at = [x0 + f.x(), y0 + f.y(), f.sample()];
+        let block = (&*s.points, &s.attributes, s.footprint.as_slice());
+        s.surface.push(match list {
+            None => {
+                let spot = Quad::new(&s.projected, id, at, samples);
+                surface_point(frame, source, block, spot, template)
+            }
+            Some(list) => {
+                let spot = Listed::new(&s.projected, list, id, at, samples);
+                surface_point(frame, source, block, spot, template)
+            }
+        });
+    }
+    s.shaded.clear();
+    s.shaded.resize(s.surface.len(), [0.0; 4]);
+    frame.shader.shade_all(&s.surface, &mut s.shaded);
+    for (&f, color) in s.visible.of_rank(rank).iter().zip(&s.shaded) {
+        let k = s.pixels.index(f);
+        if samples == 1 {
+            s.pixels.bytes[k] = frame.film.pixel(*color);
+        } else {
+            let n = f.count() as f32;
+            for (sum, c) in s.pixels.sums[k].iter_mut().zip(color) {
+                *sum += c * n;
+            }
+        }
+    }
+}
+
+/// The surface at a sample of a block.
+#[inline]
+fn surface_point(
+    frame: &Frame<'_>,
+    source: &Source<'_>,
+    (points, a, footprint): (&Grid3, &Attributes, &[f32]),
+    spot: impl Spot,
+    template: SurfacePoint,
+) -> SurfacePoint {
+    let position = spot.mix3(points);
+    let uv = a.has_uvs.then(|| [spot.mix(&a.uvs.x), spot.mix(&a.uvs.y)]);
+    let mut point = SurfacePoint {
+        position,
+        normal: spot.mix3(&a.normals),
+        geometric: spot.geometric(points),
+        uv,
+        uv_footprint: if uv.is_some() {
+            spot.mix(footprint)
+        } else {
+            0.0
+        },
+        // The limit of colours may leave the range of its control values by rounding only, but files may hold anything.
+        color: if a.has_colors {
+            spot.mix3(&a.colors).map(|c| c.max(0.0))
+        } else {
+            [1.0; 3]
+        },
+        depth01: frame.view.depth01(frame.view.distance(position)),
+        ..template
+    };
+    if a.has_tangents {
+        relief(source, a, &spot, &mut point);
+    }
+    point
+}
+
+/// What tilts the normal of a point: given to shading, or done at once where the displacement's map says it.
+fn relief(source: &Source<'_>, a: &Attributes, spot: &impl Spot, point: &mut SurfacePoint) {
+    let tangents = [0, 1].map(|k| spot.mix3(&a.tangents[k]));
+    let map = (source.object.surface.displacement()).and_then(Displacement::pixel_map);
+    match (map, point.uv) {
+        (Some(map), Some([u, v])) => {
+            let [du, dv] = map.slope_over(u, v, point.uv_footprint);
+            let [first, second] = tangents;
+            point.normal = [0, 1, 2].map(|k| point.normal[k] - (first[k] * du + second[k] * dv));
+        }
+        _ => point.tangents = Some(tangents),
+    }
+}
+
+/// Per grid point the side of the square in texture coordinates that covers the area of a pixel, from differences along the grid.
+pub(super) fn footprints(
+    block: &ProjectedBlock,
+    uvs: &Grid3,
+    list: Option<&[[u16; 3]]>,
+    size: BlockSize,
+    out: &mut Vec<f32>,
+) {
+    if let Some(list) = list {
+        return list_footprints(block, uvs, list, size, out);
+    }
+    out.clear();
+    out.resize((size.rows + 1) * BLOCK_STRIDE, 0.0);
+    let step = |k: usize, n: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
+    for j in 0..size.rows {
+        let (j0, j1) = step(j, size.rows);
+        for i in 0..size.cols {
+            let (i0, i1) = step(i, size.cols);
+            let screen = |a: [i32; 2], b: [i32; 2]| {
+                [(b[0] - a[0]) as f32 / 256.0, (b[1] - a[1]) as f32 / 256.0]
+            };
+            let su = screen(block.position(i0, j), block.position(i1, j));
+            let sv = screen(block.position(i, j0), block.position(i, j1));
+            let uv = |a: [f32; 3], b: [f32; 3]| [b[0] - a[0], b[1] - a[1]];
+            let tu = uv(uvs.get(i0, j), uvs.get(i1, j));
+            let tv = uv(uvs.get(i, j0), uvs.get(i, j1));
+            let pixels = (su[0] * sv[1] - su[1] * sv[0]).abs();
+            let texture = (tu[0] * tv[1] - tu[1] * tv[0]).abs();
+            // A grid cell seen edge-on has no area: do not let its footprint run away.
+            out[j * BLOCK_STRIDE + i] = (texture / pixels.max(1.0 / 256.0)).sqrt();
+        }
+    }
+}
+
+/// The same at the points of a list of triangles: from the areas of those around each.
+fn list_footprints(
+    block: &ProjectedBlock,
+    uvs: &Grid3,
+    list: &[[u16; 3]],
+    size: BlockSize,
+    out: &mut Vec<f32>,
+) {
+    let count = (size.rows + 1) * BLOCK_STRIDE;
+    let mut areas = vec![[0.0_f32; 2]; count];
+    for t in list {
+        let at = t.map(|k| [usize::from(k) % BLOCK_STRIDE, usize::from(k) / BLOCK_STRIDE]);
+        let p = at.map(|[i, j]| block.position(i, j).map(|c| c as f32 / 256.0));
+        let uv = at.map(|[i, j]| uvs.get(i, j)).map(|[u, v, _]| [u, v]);
+        let area = |p: [[f32; 2]; 3]| {
+            let (a, b) = (
+                [p[1][0] - p[0][0], p[1][1] - p[0][1]],
+                [p[2][0] - p[0][0], p[2][1] - p[0][1]],
+            );
+            (a[0] * b[1] - a[1] * b[0]).abs()
+        };
+        let [texture, pixels] = [area(uv), area(p)];
+        for &k in t {
+            areas[usize::from(k)][0] += texture;
+            areas[usize::from(k)][1] += pixels;
+        }
+    }
+    out.clear();
+    let side = |[texture, pixels]: [f32; 2]| (texture / pixels.max(1.0 / 256.0)).sqrt();
+    out.extend(areas.into_iter().map(side));
+}
+
+/// Averages the samples of pixels that have several.
+pub(super) fn resolve(frame: &Frame<'_>, s: &mut Scratch) {
+    let samples = frame.size.samples;
+    if samples == 1 {
+        return;
+    }
+    let share = 1.0 / samples as f32;
+    let width = s.pixels.width;
+    for (y, &[low, high]) in s.visible.spans.iter().enumerate() {
+        if low >= high {
+            continue;
+        }
+        let range = y * width + low as usize..y * width + high as usize;
+        let sums = &s.pixels.sums[range.clone()];
+        for (sum, pixel) in sums.iter().zip(&mut s.pixels.bytes[range]) {
+            *pixel = frame.film.pixel(sum.map(|c| c * share));
+        }
+    }
+}

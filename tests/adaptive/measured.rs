@@ -1,0 +1,342 @@
+//! Figures of adaptive tessellation: distances and triangles against uniform levels, pictures against deep ones, and a slow zoom. A few
+//! cases on the project's own models; many, on those that EARMARK_SHARED names, if EARMARK_THOROUGH is set as well.
+
+use super::common::{self, Random};
+use super::{adaptive, open_edges};
+use earmark::camera::View;
+use earmark::film::Image;
+use earmark::frame::Refinement;
+use earmark::frame::coverage::CoverageFault;
+use earmark::frame::deviation::DrawnBlock;
+use earmark::{Cage, Camera, Renderer, Scene, Surface, SurfaceOptions};
+use std::collections::HashMap;
+use std::time::Instant;
+
+/// Whether there is time for many cases.
+fn is_thorough() -> bool {
+    std::env::var_os("EARMARK_THOROUGH").is_some()
+}
+
+/// The creature, and all models of the shared folder when there is time.
+fn models() -> Vec<(String, Scene)> {
+    let mut paths = vec![common::assets().join("creature.obj")];
+    if let (Some(shared), true) = (common::shared(), is_thorough()) {
+        paths.extend(common::models(&shared.join("models")));
+    }
+    let load = |p: &std::path::PathBuf| (common::name(p), common::load(p));
+    paths.iter().map(load).collect()
+}
+
+/// Views that hold the whole model, from all sides, near and far.
+fn views(scene: &Scene, renderer: &Renderer, count: u32) -> Vec<View> {
+    let mut random = Random(5);
+    let sphere = scene.bounding_sphere();
+    let camera = |_| {
+        Camera::default()
+            .with_orbit(random.range(0.0, 360.0), random.range(-60.0, 80.0))
+            .with_zoom(random.range(0.2, 1.0))
+            .with_fov(random.range(10.0, 70.0))
+            .framing(&sphere, renderer.size)
+            .unwrap()
+    };
+    (0..count).map(camera).collect()
+}
+
+fn count(blocks: &[DrawnBlock]) -> usize {
+    blocks.iter().map(|b| b.triangles().count()).sum()
+}
+
+/// Per quad, how far triangles of a uniform level are from the points that the next one adds, in pixels, and their number.
+fn uniform_errors(scene: &Scene, view: &View, level: u32) -> HashMap<u32, (f32, usize)> {
+    let mut renderer = Renderer::new(view.size.width, view.size.height);
+    renderer.refinement = Refinement::Uniform(level + 1);
+    let split = u32::from(scene.objects[0].surface.is_split());
+    let mut out: HashMap<u32, (f32, usize)> = HashMap::new();
+    if level < split {
+        return out;
+    }
+    for block in renderer.drawn_blocks(scene, view).unwrap() {
+        let n = block.columns;
+        let at = |i: usize, j: usize| block.points[j * n + i];
+        let entry = out.entry(block.quad.1).or_default();
+        for t in block.triangles() {
+            entry.1 += usize::from(t[0] % n % 2 == 0 && t[0] / n % 2 == 0);
+        }
+        let half = block.columns > 1 && block.places[n] == block.places[n + 1];
+        for j in 0..n {
+            for i in (0..n).filter(|i| (i | j) & 1 == 1) {
+                if half && j > i {
+                    continue;
+                }
+                let (a, b) = ((i & !1, j & !1), ((i + 1) & !1, (j + 1) & !1));
+                let (p, q) = (at(a.0, a.1), at(b.0, b.1));
+                let middle = [0, 1, 2].map(|k| 0.5 * (p[k] + q[k]));
+                if let (Some(x), Some(y)) = (view.project(at(i, j)), view.project(middle)) {
+                    let far = ((x[0] - y[0]).powi(2) + (x[1] - y[1]).powi(2)).sqrt();
+                    entry.0 = entry.0.max(far);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Micro-triangles of the first uniform level that comes as close as `pixels`.
+fn uniform_triangles(scene: &Scene, view: &View, pixels: f32) -> usize {
+    let faces = scene.objects[0].surface.quads().face_count();
+    let each = if scene.objects[0].surface.is_triangular() {
+        1
+    } else {
+        2
+    };
+    let split = u32::from(scene.objects[0].surface.is_split());
+    let mut level = split;
+    while (faces << (2 * (level + 1 - split))) < 3 << 20 {
+        let errors = uniform_errors(scene, view, level);
+        if errors.values().all(|e| e.0 <= pixels) {
+            break;
+        }
+        level += 1;
+    }
+    (each * faces) << (2 * (level - split))
+}
+
+#[test]
+fn few_triangles_come_as_close_as_many() {
+    let (cameras, compared) = if is_thorough() { (20, 3) } else { (2, 1) };
+    let (mut ratios, mut worst, mut capped, mut cases) = (Vec::new(), 0.0_f32, 0, 0);
+    for (name, scene) in models() {
+        let (mut of_model, mut bent) = (0.0_f32, 0.0_f32);
+        for pixels in [0.25, 0.5, 1.0, 2.0] {
+            let renderer = adaptive(1024, pixels, 3.0);
+            for (k, view) in views(&scene, &renderer, cameras).into_iter().enumerate() {
+                let blocks = renderer.drawn_blocks(&scene, &view).unwrap();
+                let triangles = count(&blocks);
+                // Quads enough for some 100,000 samples.
+                let every = (triangles as u32 * 15 / 100_000).max(1);
+                let d = renderer.deviation_of(&scene, &view, 4, every).unwrap();
+                assert!(d.pixels <= pixels, "{name} at {pixels} pixels: {d:?}");
+                of_model = of_model.max(d.pixels / pixels);
+                bent = bent.max(d.degrees);
+                capped += usize::from(d.capped > pixels);
+                cases += 1;
+                if k < compared {
+                    // By distances alone: normals ask for more, and uniform levels are not asked for theirs.
+                    let loose = adaptive(1024, pixels, 180.0);
+                    let triangles = count(&loose.drawn_blocks(&scene, &view).unwrap());
+                    let d = loose.deviation_of(&scene, &view, 4, every).unwrap();
+                    let uniform = uniform_triangles(&scene, &view, d.pixels.max(d.capped));
+                    ratios.push(uniform as f64 / triangles as f64);
+                }
+            }
+        }
+        println!("{name}: {of_model:.2} of the tolerance at most, {bent:.1} degrees");
+        worst = worst.max(of_model);
+    }
+    ratios.sort_by(f64::total_cmp);
+    let (least, median) = (ratios[0], ratios[ratios.len() / 2]);
+    println!(
+        "adaptive: {worst:.2} of the tolerance at most in {cases} cases, {capped} held back by the deepest level; uniform levels of the \
+         same distance have {median:.1} times the triangles (median of {}), at least {least:.2} times",
+        ratios.len()
+    );
+    assert!(worst > 0.3 && median > 1.5);
+}
+
+/// Heights over a grid of `n` by `n` quads on `[-1, 1]²` that the eye skims over.
+fn terrain(n: u32, triangles: bool) -> Scene {
+    let at = |i: u32, j: u32| j * (n + 1) + i;
+    let mut random = Random(3);
+    let points = (0..(n + 1) * (n + 1)).map(|k| {
+        let [x, z] = [k % (n + 1), k / (n + 1)].map(|c| 2.0 * c as f32 / n as f32 - 1.0);
+        [x, 0.12 * random.unit() as f32, z]
+    });
+    let points: Vec<[f32; 3]> = points.collect();
+    let mut cage = Cage::builder().points(points);
+    for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (i, j))) {
+        let quad = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+        if triangles {
+            cage = cage.face([quad[0], quad[1], quad[2]]);
+            cage = cage.face([quad[0], quad[2], quad[3]]);
+        } else {
+            cage = cage.face(quad);
+        }
+    }
+    Scene::of(Surface::new(
+        cage.build().unwrap(),
+        &SurfaceOptions::default(),
+    ))
+}
+
+#[test]
+fn grazing_ground_needs_few_triangles() {
+    for (name, triangles, n) in [("98 triangles", true, 7), ("9 quads", false, 3)] {
+        let scene = terrain(n, triangles);
+        let renderer = adaptive(512, 0.5, 180.0);
+        let camera = Camera::default()
+            .with_eye_target([0.0, 0.11, 0.98], [0.0, 0.05, -1.0])
+            .with_fov(50.0)
+            .with_near_far(0.01, 10.0);
+        let view = camera
+            .framing(&scene.bounding_sphere(), renderer.size)
+            .unwrap();
+        let drawn = renderer.drawn_blocks(&scene, &view).unwrap();
+        let d = renderer.deviation(&scene, &view, 2).unwrap();
+        let wanted = d.pixels.max(d.capped);
+        // The level that each face would need as a whole, for what is drawn of the cage.
+        let mut missing: Vec<u32> = drawn.iter().map(|b| b.quad.1).collect();
+        missing.sort_unstable();
+        missing.dedup();
+        let (faces, mut whole) = (missing.len(), 0);
+        for level in 0..9 {
+            let errors = uniform_errors(&scene, &view, level);
+            missing.retain(|q| {
+                let (far, triangles) = errors[q];
+                let enough = far <= wanted || level == 8;
+                whole += if enough { triangles } else { 0 };
+                !enough
+            });
+            if missing.is_empty() {
+                break;
+            }
+        }
+        let own = count(&drawn);
+        println!(
+            "adaptive: {name}, {faces} drawn, at grazing height: {own} micro-triangles within {:.2} pixels ({:.2} at the deepest level); \
+             one level per face as close: {whole}, {:.1} times as many",
+            d.pixels,
+            d.capped,
+            whole as f64 / own as f64
+        );
+        assert!(d.pixels <= 0.5 && whole > 2 * own);
+    }
+}
+
+/// Largest difference of a channel in each pixel.
+fn differences(a: &Image, b: &Image) -> Vec<u8> {
+    let pairs = a.data.chunks_exact(4).zip(b.data.chunks_exact(4));
+    let largest = |(p, q): (&[u8], &[u8])| (0..4).map(|k| p[k].abs_diff(q[k])).max().unwrap_or(0);
+    pairs.map(largest).collect()
+}
+
+/// Pixels within two of which the picture changes by more than a little: silhouettes and edges of textures.
+fn is_near_edge(image: &Image, k: usize) -> bool {
+    let (w, h) = (image.width as i64, image.height as i64);
+    let (x, y) = (k as i64 % w, k as i64 / w);
+    let (mut low, mut high) = ([255_u8; 4], [0_u8; 4]);
+    for j in (y - 2).max(0)..=(y + 2).min(h - 1) {
+        for i in (x - 2).max(0)..=(x + 2).min(w - 1) {
+            let at = 4 * (j * w + i) as usize;
+            for c in 0..4 {
+                low[c] = low[c].min(image.data[at + c]);
+                high[c] = high[c].max(image.data[at + c]);
+            }
+        }
+    }
+    (0..4).any(|c| high[c] - low[c] > 40)
+}
+
+#[test]
+fn default_pictures_are_those_of_deep_levels() {
+    let (cameras, side) = if is_thorough() { (5, 512) } else { (1, 256) };
+    let (mut worst, mut inside, mut times) = (0.0_f64, 0_u8, [0.0; 2]);
+    for (name, scene) in models() {
+        let mut renderer = Renderer::new(side, side);
+        renderer.size.samples = 16;
+        let faces = scene.objects[0].surface.quads().face_count();
+        // Level 8, or what a few million triangles allow: two levels deeper than what half a pixel asks for.
+        let level = (4..8)
+            .find(|l| faces << (2 * (l + 1)) > 4 << 20)
+            .unwrap_or(8);
+        for view in views(&scene, &renderer, cameras) {
+            let mut draw = |refinement: Option<Refinement>, k: usize| {
+                renderer.refinement = refinement.unwrap_or(Renderer::new(1, 1).refinement);
+                let begin = Instant::now();
+                let image = renderer.render_view(&scene, &view).unwrap().image;
+                times[k] += begin.elapsed().as_secs_f64() * 1e3;
+                image
+            };
+            let (own, deep) = (draw(None, 0), draw(Some(Refinement::Uniform(level)), 1));
+            let d = differences(&own, &deep);
+            let mean = d.iter().map(|&d| f64::from(d)).sum::<f64>() / d.len() as f64;
+            let far = (0..d.len())
+                .filter(|&k| d[k] > 4 && !is_near_edge(&deep, k))
+                .count();
+            let most = (0..d.len())
+                .filter(|&k| !is_near_edge(&deep, k))
+                .map(|k| d[k])
+                .max();
+            println!(
+                "{name} against level {level}: mean {mean:.3}, {most:?} at most away from edges, {far} pixels above 4"
+            );
+            assert!(mean <= 0.3, "{name}");
+            worst = worst.max(mean);
+            inside = inside.max(most.unwrap_or(0));
+        }
+    }
+    println!(
+        "adaptive: default against deep levels: mean {worst:.3} at most, {inside} away from edges, {times:.0?} ms"
+    );
+}
+
+#[test]
+fn a_slow_zoom_does_not_pop() {
+    let scene = common::load(&common::assets().join("creature.obj"));
+    let mut renderer = Renderer::new(256, 256);
+    let sphere = scene.bounding_sphere();
+    let frames = if is_thorough() { 60 } else { 12 };
+    let view = |k: u32| {
+        let camera = Camera::default().with_zoom(1.0 + 0.005 * f64::from(k));
+        camera.framing(&sphere, renderer.size).unwrap()
+    };
+    let views: Vec<View> = (0..=frames).map(view).collect();
+    let (mut most, mut inside, mut pixels) = (0, 0, [0_u64; 256]);
+    for pair in views.windows(2) {
+        renderer.decided_by = None;
+        let own = renderer.render_view(&scene, &pair[0]).unwrap().image;
+        renderer.decided_by = Some(pair[1]);
+        let next = renderer.render_view(&scene, &pair[0]).unwrap().image;
+        for (k, d) in differences(&own, &next).into_iter().enumerate() {
+            most = most.max(d);
+            pixels[usize::from(d)] += 1;
+            if d > inside && !is_near_edge(&own, k) {
+                inside = d;
+            }
+        }
+    }
+    let all: u64 = pixels.iter().sum();
+    let above = |d: usize| pixels[d + 1..].iter().sum::<u64>();
+    let share = (0..256).find(|&d| above(d) * 1000 <= all).unwrap_or(255);
+    println!(
+        "adaptive: zoom of {frames} frames: {most} at most, {inside} away from edges, 99.9 in 100 pixels within {share}"
+    );
+    assert!(share <= 2, "{share}");
+}
+
+#[test]
+fn shared_models_have_no_cracks() {
+    if !is_thorough() {
+        return;
+    }
+    let (mut samples, mut closed) = (0, 0);
+    for (name, scene) in models() {
+        if !common::is_closed(&scene.objects[0].surface) {
+            continue;
+        }
+        for pixels in [0.25, 0.5, 1.0, 2.0] {
+            let mut renderer = adaptive(1024, pixels, 3.0);
+            renderer.size.samples = 4;
+            for view in views(&scene, &renderer, 2) {
+                let blocks = renderer.drawn_blocks(&scene, &view).unwrap();
+                assert_eq!(open_edges(&blocks), 0, "{name} at {pixels} pixels");
+                closed += count(&blocks);
+                let c = renderer
+                    .signed_coverage(&scene, &view, CoverageFault::None)
+                    .unwrap();
+                assert_eq!(c.unequal, 0, "{name} at {pixels} pixels");
+                samples += c.samples;
+            }
+        }
+    }
+    println!("adaptive: 0 of {samples} samples unequal, {closed} triangles closed bit for bit");
+}
