@@ -40,9 +40,11 @@ fn differences(surface: &Surface, level: u32) -> [usize; 2] {
                 Some([p, n]) => {
                     shared += 1;
                     out[0] += usize::from(*p != points);
-                    // Ends tell whether the faces share normals.
+                    // Ends tell whether the faces share normals; a bilinear limit has one per face inside of an edge.
                     let last = n.len() - 1;
-                    let same = t.twin(h) != earmark::topology::NONE
+                    let bilinear = surface.scheme() == Scheme::Bilinear;
+                    let same = (!bilinear || surface.patch_kind() == PatchKind::Pn)
+                        && t.twin(h) != earmark::topology::NONE
                         && n[0] == normals[0]
                         && n[last] == normals[last];
                     out[1] += usize::from(same && *n != normals);
