@@ -71,9 +71,6 @@ fn closed_models_have_as_many_fronts_as_backs() {
             assert!(c.covered > 1000, "{name} level {level}: {c:?}");
             assert_eq!(c.unequal, 0, "{name} level {level}: {c:?}");
         }
-        if scene.objects[0].surface.scheme().is_interpolating() {
-            continue;
-        }
         for pixels in [0.25, 2.0, 20.0] {
             let mut renderer = coverage::renderer(96, 0);
             renderer.refinement = Refinement::Adaptive(Flatness {
