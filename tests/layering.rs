@@ -78,6 +78,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "tessellate",
         &[
             "math", "simd", "records", "limits", "camera", "topology", "dice", "surface",
+            "dispatch",
         ],
     ),
     (
