@@ -406,6 +406,10 @@ impl Renderer {
                     level::by_edge_length(&o.surface, view, max_level.min(crate::dice::MAX_LEVEL))
                 })
                 .collect()),
+            // Found with the blocks.
+            Refinement::DepthTags(_) if self.drawing == Drawing::Limit => {
+                Ok(vec![0; scene.objects.len()])
+            }
             Refinement::DepthTags(wanted) => Ok(scene
                 .objects
                 .iter()

@@ -330,3 +330,26 @@ fn orders_are_their_polynomials() {
     );
     assert!(count > 20);
 }
+
+#[test]
+fn damaged_patterns_are_noticed() {
+    let d = [3, 1, 4];
+    let whole = triangle(Pattern::Equilateral, d);
+    let noticed = |damaged: Vec<Triangle>| {
+        std::panic::catch_unwind(|| check("damaged", &damaged, &d, false)).is_err()
+    };
+    assert!(!noticed(whole.clone()));
+    // One is missing, one is there twice, one is turned over, and one has lost a point of a side to its neighbour.
+    assert!(noticed(whole[1..].to_vec()));
+    assert!(noticed([&whole[..], &whole[..1]].concat()));
+    let turned = whole.iter().enumerate().map(|(k, &[a, b, c])| match k {
+        5 => [a, c, b],
+        _ => [a, b, c],
+    });
+    assert!(noticed(turned.collect()));
+    let mut moved = whole;
+    let inside = |[x, y]: &Place| *x > 0 && *y > 0 && x + y < 16;
+    let found = moved.iter_mut().flatten().find(|p| inside(p)).unwrap();
+    found[0] -= 1;
+    assert!(noticed(moved));
+}
