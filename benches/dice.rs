@@ -1,7 +1,7 @@
 //! Build and dice: criterion groups `connect`, `ears` and `dice`, on a closed torus with a few irregular vertices.
 #![allow(missing_docs)]
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use earmark::stream::BlockStream;
 use earmark::topology::{ConnectOptions, connect};
 use earmark::{Cage, Surface, records::Grid3};
@@ -36,23 +36,35 @@ fn build(c: &mut Criterion) {
         .bench_function("creature", |b| b.iter(|| surface.ears()));
 }
 
+/// Time per point of the quads with regular corners only, and of the others; points alone, and with normals.
 fn dice(c: &mut Criterion) {
     let surface = Surface::new(cage(), &Default::default());
     let (mut points, mut normals) = (Grid3::boxed(), Grid3::boxed());
-    let mut group = c.benchmark_group("dice");
-    for level in 1..=6 {
-        let mut stream = BlockStream::new(&surface, level);
-        group.bench_function(BenchmarkId::new("creature", level), |b| {
-            b.iter(|| {
-                for q in 0..surface.quads().face_count() as u32 {
-                    stream.quad(q, |stream, u, v| {
-                        stream.dice(u, v, &mut points, Some(&mut normals))
+    let t = surface.quads();
+    let is_regular = |&q: &u32| (0..4).all(|c| t.fans()[t.fan(4 * q + c) as usize].is_regular());
+    let (regular, irregular): (Vec<u32>, Vec<u32>) =
+        (0..t.face_count() as u32).partition(is_regular);
+    for (name, quads) in [("dice/regular", regular), ("dice/irregular", irregular)] {
+        let mut group = c.benchmark_group(name);
+        for level in 1..=6 {
+            let mut stream = BlockStream::new(&surface, level);
+            group.throughput(Throughput::Elements((quads.len() as u64) << (2 * level)));
+            for with_normals in [false, true] {
+                let what = if with_normals { "normals" } else { "points" };
+                group.bench_function(BenchmarkId::new(what, level), |b| {
+                    b.iter(|| {
+                        for &q in &quads {
+                            stream.quad(q, |stream, u, v| {
+                                let normals = with_normals.then_some(&mut *normals);
+                                stream.dice(u, v, &mut points, normals);
+                            });
+                        }
                     });
-                }
-            });
-        });
+                });
+            }
+        }
+        group.finish();
     }
-    group.finish();
 }
 
 criterion_group!(benches, build, dice);

@@ -4,6 +4,7 @@
 use crate::dice::face::Sides;
 use crate::dice::{FacePatch, MAX_LEVEL};
 use crate::records::{BlockSize, Grid3};
+use crate::simd::Level;
 use crate::surface::{QuadPatch, Surface};
 
 /// Dices quads of a surface at one level into blocks.
@@ -46,9 +47,16 @@ impl<'a> BlockStream<'a> {
         surface.ensure(level);
         Self {
             surface,
-            patch: QuadPatch::default(),
+            patch: QuadPatch::for_level(Level::detect()),
             level,
         }
+    }
+
+    /// The same stream with other vector instructions than the strongest of this machine; never changes a bit.
+    #[must_use]
+    pub fn with_simd(mut self, simd: Level) -> Self {
+        self.patch.set_simd(simd);
+        self
     }
 
     /// Blocks along each side of a quad.

@@ -72,7 +72,6 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("film", &["math", "simd", "records"]),
     ("compare", &["math", "film"]),
     ("sheet", &["math", "film"]),
-    ("stream", &["records", "dice", "surface"]),
     ("files", &["mesh", "texture", "film", "limits"]),
     (
         "tessellate",

@@ -12,6 +12,7 @@ use clap::{Args, ValueEnum};
 use earmark::frame::{Drawing, Finished, FrameStats, Renderer};
 use earmark::limits::Limits;
 use earmark::records::Grid3;
+use earmark::simd::Level;
 use earmark::stream::BlockStream;
 use earmark::{Cage, Scene, Surface, SurfaceOptions};
 use rayon::prelude::*;
@@ -283,6 +284,7 @@ pub(super) fn dice_all(
     scene: &Scene,
     level: u32,
     normals: bool,
+    simd: Level,
     limits: &Limits,
 ) -> Result<(), Failure> {
     /// Quads between two looks at the limits.
@@ -295,7 +297,7 @@ pub(super) fn dice_all(
             .into_par_iter()
             .try_for_each_init(
                 || {
-                    let stream = BlockStream::new(surface, level);
+                    let stream = BlockStream::new(surface, level).with_simd(simd);
                     (stream, Grid3::boxed(), Grid3::boxed())
                 },
                 |(stream, points, unit), chunk| {
@@ -355,12 +357,12 @@ fn refine(job: &Job, a: &Arguments, scene: &mut Scene) -> Result<Outcome, Failur
         _ => vertices,
     };
     let mut rows = Vec::new();
-    dice_all(scene, level, a.normals, &limits)?;
+    dice_all(scene, level, a.normals, job.simd, &limits)?;
     for _ in 0..a.repeat {
         let clock = Clock::now();
         update(scene, &points)?;
         let updated = clock.elapsed();
-        dice_all(scene, level, a.normals, &limits)?;
+        dice_all(scene, level, a.normals, job.simd, &limits)?;
         let total = clock.elapsed();
         push(&mut rows, "total", total, &items);
         push(&mut rows, "update", updated, &items);

@@ -175,10 +175,10 @@ pub(super) fn patches(
         let counts = one.objects.iter().map(|o| count(&o.surface));
         (faces, points) = counts.fold((0, 0), |(f, p), (n, per)| (f + n, p + n * per));
         limits.faces(u128::from(points))?;
-        dice_all(&one, level, true, &limits)?;
+        dice_all(&one, level, true, job.simd, &limits)?;
         for _ in 0..a.repeat {
             let clock = Clock::now();
-            dice_all(&one, level, true, &limits)?;
+            dice_all(&one, level, true, job.simd, &limits)?;
             push(&mut rows, name, clock.elapsed(), &|_| points);
         }
     }

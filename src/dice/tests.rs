@@ -5,6 +5,7 @@ use super::fan_points::{FanPoints, TangentMasks};
 use super::*;
 use crate::records::Grid3;
 use crate::scheme::Boundary;
+use crate::simd::Level;
 use crate::topology::{ConnectOptions, FanRule, NONE, Ring, Topology, connect, split::split};
 
 type Mesh = (Topology, Vec<[f32; 3]>);
@@ -351,4 +352,68 @@ fn shared_edges_have_the_same_bits_from_both_sides() {
         }
     }
     assert!(compared > 100_000);
+}
+
+#[test]
+fn points_do_not_depend_on_instructions_or_normals_and_are_all_written() {
+    let (mut p, mut n) = (Grid3::boxed(), Grid3::boxed());
+    for (name, (t, points)) in all_meshes() {
+        let fans = FanPoints::new(&t, &TangentMasks::new(&t), &points, None, true);
+        let channel = Channel {
+            topology: &t,
+            points: &points,
+            fans: &fans,
+            below: None,
+            linear: false,
+        };
+        for level in 1..=6 {
+            let m = FacePatch::block_size(level).cols;
+            let blocks = FacePatch::blocks_per_side(level);
+            for sides in [Sides::None, Sides::Points, Sides::Normals] {
+                let mut want: Option<Vec<[u32; 6]>> = None;
+                for simd in Level::available() {
+                    let mut patch = FacePatch::default();
+                    patch.simd = simd;
+                    for with_normals in [true, false] {
+                        let mut got = Vec::new();
+                        for q in 0..t.face_count() as u32 {
+                            patch.prepare(channel, q, Target::Limit, level, sides);
+                            for block in 0..blocks * blocks {
+                                // What was there before must not matter.
+                                for grid in [&mut p, &mut n] {
+                                    grid.x.fill(f32::NAN);
+                                    grid.y.fill(f32::NAN);
+                                    grid.z.fill(f32::NAN);
+                                }
+                                let normals = with_normals.then_some(&mut *n);
+                                patch.dice(block % blocks, block / blocks, &mut p, normals);
+                                for k in 0..m * m {
+                                    let (a, b) = (p.get(k % m, k / m), n.get(k % m, k / m));
+                                    // Zeros have a sign that depends on the direction of an edge.
+                                    got.push(
+                                        [a[0], a[1], a[2], b[0], b[1], b[2]]
+                                            .map(|c| (c + 0.0).to_bits()),
+                                    );
+                                }
+                            }
+                        }
+                        let want = want.get_or_insert_with(|| got.clone());
+                        for (k, (got, want)) in got.iter().zip(want.iter()).enumerate() {
+                            let compared = if with_normals { 6 } else { 3 };
+                            assert_eq!(
+                                got[..compared],
+                                want[..compared],
+                                "{name} level {level} {sides:?} {} point {k}",
+                                simd.name()
+                            );
+                            assert!(
+                                !f32::from_bits(got[0]).is_nan(),
+                                "{name} point {k} is missing"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
 }
