@@ -257,7 +257,8 @@ impl Strip {
             along.cross(across[1] + across[2])
         };
         let spare = match normal.unit() {
-            Some(normal) => normal.xyz(),
+            // As in `unit_of`: no -0, which the other face would see as 0.
+            Some(normal) => normal.xyz().map(|c| c + 0.0),
             None => [0.0, 0.0, 1.0],
         };
         (across, spare)
