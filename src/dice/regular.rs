@@ -399,9 +399,10 @@ pub(super) fn unit_of(a: [f32; 3], b: [f32; 3], spare: [f32; 3]) -> [f32; 3] {
     );
     let (ax, ay, az) = (a[0] * ia, a[1] * ia, a[2] * ia);
     let (bx, by, bz) = (b[0] * ib, b[1] * ib, b[2] * ib);
-    let nx = ay * bz - az * by;
-    let ny = az * bx - ax * bz;
-    let nz = ax * by - ay * bx;
+    // The zero added makes -0 of one face's side the 0 of the other's.
+    let nx = (ay * bz - az * by) + 0.0;
+    let ny = (az * bx - ax * bz) + 0.0;
+    let nz = (ax * by - ay * bx) + 0.0;
     let square = (nx * nx + ny * ny) + nz * nz;
     // Below this the cross product is rounding noise of the two unit-sized factors.
     let sound = square > 1e-12;

@@ -361,7 +361,7 @@ mod tests {
             let view = camera.framing(&sphere, size).unwrap();
             let shader = Shader::new(ShadeMode::Lit, &view, &[], &[]);
             let p = &view.projection;
-            for k in 0..400 {
+            for k in 1..400 {
                 let turn = |i: i32| libm::sinf((k * i) as f32 * 0.7);
                 let normal = [turn(3), turn(5), turn(7)];
                 let position = [0, 1, 2].map(|i| sphere.center[i] as f32 + normal[i]);
