@@ -245,11 +245,12 @@ pub(crate) struct LevelFlags {
     /// # begins a comment [default: 1; at corners tagged with sharpness S, 1 − S/10]
     #[arg(long, value_name = "FILE")]
     pub(crate) pn_tags: Option<PathBuf>,
-    /// Uniform level of refinement, 0 to 10 [default: as fine as --adaptive says; where it is not the limit that is drawn, per model, from
-    /// the length of its edges in pixels]
+    /// Uniform level of refinement, 0 to 10 [default: as fine as --adaptive says; under interpolating schemes, and where it is not the limit
+    /// that is drawn, per model, from the length of its edges in pixels]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=10), allow_hyphen_values = true)]
     pub(crate) level: Option<u32>,
-    /// Largest distance of triangles from the surface on the screen, in pixels; edge by edge and block by block [default: 0.5]
+    /// Largest distance of triangles from the surface on the screen, in pixels; edge by edge and block by block [default: 0.5;
+    /// none under --scheme butterfly and kobbelt, where looking for what is flat takes longer than drawing it]
     #[arg(long, value_name = "PX", value_parser = parse_flatness, conflicts_with = "level")]
     pub(crate) adaptive: Option<f32>,
     /// Highest level that is chosen without --level, 0 to 10
@@ -293,10 +294,11 @@ impl LevelFlags {
                 ..tags.unwrap_or(DepthTags::GIVEN)
             });
         }
-        match self.level {
-            Some(level) => Refinement::Uniform(level),
-            None => Refinement::Adaptive(Flatness {
-                pixels: self.adaptive.unwrap_or(Flatness::default().pixels),
+        match (self.level, self.adaptive) {
+            (Some(level), _) => Refinement::Uniform(level),
+            (None, None) => Refinement::Default { max_level },
+            (None, Some(pixels)) => Refinement::Adaptive(Flatness {
+                pixels,
                 max_level,
                 ..Flatness::default()
             }),

@@ -9,6 +9,7 @@ use crate::math;
 use crate::patch::PatchKind;
 use crate::records::Grid3;
 use crate::surface::Surface;
+use crate::tessellate::Flatness;
 use rayon::prelude::*;
 
 /// Largest distances of one view.
@@ -70,7 +71,8 @@ impl Renderer {
         every: u32,
     ) -> Result<Deviation, RenderError> {
         let cap = match self.refinement {
-            super::Refinement::Adaptive(f) => f.max_level,
+            super::Refinement::Adaptive(Flatness { max_level, .. })
+            | super::Refinement::Default { max_level } => max_level,
             _ => u32::MAX,
         };
         self.with_frame(scene, view, |frame, _| {

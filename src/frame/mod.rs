@@ -29,6 +29,7 @@ use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
 use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
+use crate::surface::Surface;
 use crate::tessellate::patterns::Pool;
 use crate::tessellate::{DepthTags, Flatness, Tessellation, depth_tags, flatness};
 use crate::texture::Texture;
@@ -51,6 +52,13 @@ pub enum Refinement {
     /// As fine as the picture asks for, edge by edge and block by block; the limit surface alone. Other drawings get a level from the
     /// length of their edges.
     Adaptive(Flatness),
+    /// What the command line draws by default: [`Adaptive`](Self::Adaptive) within half a pixel, and
+    /// [`ByEdgeLength`](Self::ByEdgeLength) for interpolating schemes, which are refined as a whole so that looking for what is flat takes
+    /// longer than drawing it all.
+    Default {
+        /// Highest level.
+        max_level: u32,
+    },
     /// By integers at the vertices of the cage, 0 to 10; the limit surface alone. Other drawings get the level of their deepest edge.
     DepthTags(DepthTags),
     /// Per model, from the length of its edges on the screen, up to a limit.
@@ -58,6 +66,20 @@ pub enum Refinement {
         /// Highest level.
         max_level: u32,
     },
+}
+
+impl Refinement {
+    /// What it is for a surface.
+    fn of(self, surface: &Surface) -> Self {
+        match self {
+            Self::Default { max_level } if surface.has_tables() => Self::ByEdgeLength { max_level },
+            Self::Default { max_level } => Self::Adaptive(Flatness {
+                max_level,
+                ..Flatness::default()
+            }),
+            other => other,
+        }
+    }
 }
 
 /// Draws scenes.
@@ -232,7 +254,9 @@ impl Renderer {
                 height,
                 samples: 4,
             },
-            refinement: Refinement::Adaptive(Flatness::default()),
+            refinement: Refinement::Default {
+                max_level: Flatness::default().max_level,
+            },
             drawing: Drawing::Limit,
             mode: ShadeMode::Lit,
             background: [0; 4],
@@ -399,6 +423,7 @@ impl Renderer {
             }
             Refinement::Uniform(level) => Ok(vec![level; scene.objects.len()]),
             Refinement::Adaptive(Flatness { max_level, .. })
+            | Refinement::Default { max_level }
             | Refinement::ByEdgeLength { max_level } => Ok(scene
                 .objects
                 .iter()
@@ -442,11 +467,12 @@ impl Renderer {
             };
             let split = u32::from(surface.is_split());
             let limits = &self.limits;
-            let found = match self.refinement {
+            let found = match self.refinement.of(surface) {
                 Refinement::Adaptive(flatness) => {
-                    // Interpolating surfaces are refined as a whole for deep levels: no deeper than edges of about a pixel.
+                    // Interpolating surfaces are refined as a whole for deep levels: no deeper than edges within a
+                    // pixel, at which no corner shows.
                     let most = match surface.has_tables() {
-                        true => flatness.max_level.min(*level + 2),
+                        true => flatness.max_level.min(*level + 3),
                         false => flatness.max_level,
                     };
                     let wanted = Flatness {
@@ -461,7 +487,9 @@ impl Renderer {
                     let pattern = wanted.pattern.map(|p| (p, &self.patterns));
                     depth_tags::tessellate(surface, &tags, pattern, limits, budget, is_drawn)?
                 }
-                Refinement::Uniform(_) | Refinement::ByEdgeLength { .. } => {
+                Refinement::Uniform(_)
+                | Refinement::ByEdgeLength { .. }
+                | Refinement::Default { .. } => {
                     out.push(None);
                     continue;
                 }

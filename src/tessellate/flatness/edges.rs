@@ -18,7 +18,6 @@ const LEVELS: [u32; 4] = [3, 5, 8, 10];
 pub(super) struct Lines {
     points: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
-    buffers: [Vec<f32>; 6],
     nodes: Vec<usize>,
     next: Vec<usize>,
 }
@@ -99,13 +98,7 @@ impl Lines {
         splits: &mut Splits,
     ) -> bool {
         splits.clear();
-        surplus.line(
-            metric,
-            level,
-            &self.points,
-            &self.normals,
-            &mut self.buffers,
-        );
+        surplus.line(metric, level, &self.points, &self.normals);
         // Nodes that may be split, depth by depth.
         self.nodes.clear();
         self.nodes.push(1);

@@ -7,67 +7,40 @@
 use super::screen::{Metric, Seen};
 use crate::dispatch;
 use crate::records::{BLOCK_STRIDE, Grid3};
-use crate::simd::{LANES, Level};
+use crate::simd::Level;
 use crate::tessellate::quadtree::{MAX_LOG, Shape};
-use std::sync::OnceLock;
-
-/// Most samples along a line, as a power of two.
-const LINE_LOG: usize = crate::dice::MAX_LEVEL as usize;
 
 /// What a step of the grid below the samples is expected to leave: a quarter where the surface has second derivatives.
 const LEFT: f32 = 0.4;
 
-/// Points and the two ends of the edges that they split, by their places in the samples.
-type Splits = Vec<[u16; 3]>;
-
-/// Points along a line of `2^log` segments, step by step.
-fn line_splits(log: usize) -> &'static Splits {
-    static TABLES: [OnceLock<Splits>; LINE_LOG + 1] = [const { OnceLock::new() }; LINE_LOG + 1];
-    TABLES[log].get_or_init(|| {
-        let step = |k: usize| {
-            let h = 1_u16 << (log - k - 1);
-            (0..1_u16 << k).map(move |i| [2 * i * h + h, 2 * i * h, 2 * (i + 1) * h])
-        };
-        (0..log).flat_map(step).collect()
-    })
+/// Points with a surplus in each direction of step `k`, `2^k + 1` in a row like the cells' corners, the last of a row or column without meaning.
+const fn plane(k: u32) -> usize {
+    ((1 << k) + 1) * ((1 << k) + 1)
 }
 
-/// Points of a square of `2^log` segments a side, step by step: first those on edges along u, then along v, then on diagonals.
-fn square_splits(log: usize) -> &'static Splits {
-    static TABLES: [OnceLock<Splits>; MAX_LOG as usize + 1] =
-        [const { OnceLock::new() }; MAX_LOG as usize + 1];
-    TABLES[log].get_or_init(|| {
-        let mut out = Splits::new();
-        for k in 0..log {
-            let (n, h) = (1_usize << k, 1_usize << (log - k - 1));
-            let mut push = |p: [usize; 2], d: [usize; 2]| {
-                let at = |[i, j]: [usize; 2]| (j * BLOCK_STRIDE + i) as u16;
-                let [low, high] = [[p[0] - d[0], p[1] - d[1]], [p[0] + d[0], p[1] + d[1]]];
-                out.push([at(p), at(low), at(high)]);
-            };
-            let each = |i: usize, j: usize| {
-                (0..j).flat_map(move |y| (0..i).map(move |x| [2 * h * x, 2 * h * y]))
-            };
-            each(n, n + 1).for_each(|[x, y]| push([x + h, y], [h, 0]));
-            each(n + 1, n).for_each(|[x, y]| push([x, y + h], [0, h]));
-            each(n, n).for_each(|[x, y]| push([x + h, y + h], [h, h]));
-        }
-        out
-    })
-}
+/// Where step `k` of a square begins: planes of what splits edges along u, along v, and diagonals, step by step.
+const BEFORE: [usize; MAX_LOG as usize + 1] = {
+    let mut out = [0; MAX_LOG as usize + 1];
+    let mut k = 0;
+    while k < MAX_LOG {
+        out[k as usize + 1] = out[k as usize] + 3 * plane(k);
+        k += 1;
+    }
+    out
+};
 
-/// Points before step `k` of [`square_splits`]: all but the corners.
-fn before(k: u32) -> usize {
-    ((1 << k) + 1) * ((1 << k) + 1) - 4
-}
+/// Six components of points: as the eye sees them, and their normals.
+pub(super) type Six = [Vec<f32>; 6];
 
 /// Measures surpluses; buffers of one thread.
 #[derive(Debug)]
 pub(super) struct Surplus {
     simd: Level,
     log: u32,
-    /// Six components of points, and of the ends of their edges.
-    fields: [[Vec<f32>; 6]; 3],
+    /// Samples of a step.
+    samples: Six,
+    /// Those of even rows, at even and odd columns, and those of odd rows: the samples of the step before, and what splits its edges.
+    phases: [Six; 4],
     /// Distances, and distances of normals, by what is allowed; and lengths of the edges in pixels.
     found: [Vec<f32>; 3],
 }
@@ -88,23 +61,10 @@ impl Surplus {
         Self {
             simd,
             log: 0,
-            fields: Default::default(),
+            samples: Default::default(),
+            phases: Default::default(),
             found: Default::default(),
         }
-    }
-
-    fn measure(&mut self, metric: &Metric<'_>, splits: &Splits, samples: [&[f32]; 6]) {
-        let n = splits.len().next_multiple_of(LANES);
-        for (k, fields) in self.fields.iter_mut().enumerate() {
-            for (field, samples) in fields.iter_mut().zip(samples) {
-                field.clear();
-                field.extend(splits.iter().map(|s| samples[usize::from(s[k])]));
-                field.resize(n, 0.0);
-            }
-        }
-        self.found.iter_mut().for_each(|f| f.resize(n, 0.0));
-        let Self { fields, found, .. } = self;
-        dispatch!(self.simd, metric.surpluses(n, fields, found));
     }
 
     /// Measures the points of a grid of `2^log` segments a side. `points` becomes what the eye sees.
@@ -115,18 +75,38 @@ impl Surplus {
         points: &mut Grid3,
         normals: &Grid3,
     ) {
-        let (n, seen) = (1_usize << log, metric.seen());
-        dispatch!(self.simd, transform(&seen, n, points));
-        let samples = [
-            &points.x[..],
-            &points.y,
-            &points.z,
-            &normals.x,
-            &normals.y,
-            &normals.z,
-        ];
         self.log = log;
-        self.measure(metric, square_splits(log as usize), samples);
+        self.found
+            .iter_mut()
+            .for_each(|f| f.resize(BEFORE[MAX_LOG as usize], 0.0));
+        dispatch!(self.simd, self.steps(metric, points, normals));
+    }
+
+    /// Step by step from the finest.
+    #[inline(always)]
+    fn steps(&mut self, metric: &Metric<'_>, points: &mut Grid3, normals: &Grid3) {
+        transform(&metric.seen(), 1 << self.log, points);
+        let grids = [
+            &points.x, &points.y, &points.z, &normals.x, &normals.y, &normals.z,
+        ];
+        for k in (0..self.log).rev() {
+            let (n, size) = (1 << k, plane(k));
+            for (c, samples) in self.samples.iter().enumerate() {
+                let phases = self.phases.each_mut().map(|p| &mut p[c]);
+                if k + 1 == self.log {
+                    split(n, grids[c], BLOCK_STRIDE, phases);
+                } else {
+                    split(n, samples, 2 * n + 1, phases);
+                }
+            }
+            let [even, u, v, diagonal] = &self.phases;
+            for (d, (middle, next)) in [(u, 1), (v, n + 1), (diagonal, n + 2)].iter().enumerate() {
+                let first = BEFORE[k as usize] + d * size;
+                let found = self.found.each_mut().map(|f| &mut f[first..first + size]);
+                metric.surpluses(middle, even, *next, found);
+            }
+            std::mem::swap(&mut self.samples, &mut self.phases[0]);
+        }
     }
 
     /// Measures the points of a line of `2^log` segments.
@@ -136,21 +116,37 @@ impl Surplus {
         log: u32,
         points: &[[f32; 3]],
         normals: &[[f32; 3]],
-        buffers: &mut [Vec<f32>; 6],
     ) {
         let seen = metric.seen();
-        for k in 0..3 {
-            buffers[k].clear();
-            buffers[3 + k].clear();
-            buffers[3 + k].extend(normals.iter().map(|n| n[k]));
-        }
-        for &p in points {
+        self.samples.iter_mut().for_each(Vec::clear);
+        for (&p, n) in points.iter().zip(normals) {
             let p = seen.point(p);
-            (0..3).for_each(|k| buffers[k].push(p[k]));
+            for k in 0..3 {
+                self.samples[k].push(p[k]);
+                self.samples[3 + k].push(n[k]);
+            }
         }
-        let [a, b, c, d, e, f] = buffers;
         self.log = log;
-        self.measure(metric, line_splits(log as usize), [a, b, c, d, e, f]);
+        self.found
+            .iter_mut()
+            .for_each(|f| f.resize(f.len().max(1 << log), 0.0));
+        dispatch!(self.simd, self.halves(metric));
+    }
+
+    #[inline(always)]
+    fn halves(&mut self, metric: &Metric<'_>) {
+        for k in (0..self.log).rev() {
+            let n = 1 << k;
+            let [even, odd, ..] = &mut self.phases;
+            for (c, samples) in self.samples.iter().enumerate() {
+                (even[c].clear(), odd[c].clear());
+                even[c].extend(samples.iter().step_by(2));
+                odd[c].extend(samples[1..].iter().step_by(2));
+            }
+            let found = self.found.each_mut().map(|f| &mut f[n - 1..2 * n - 1]);
+            metric.surpluses(odd, even, 1, found);
+            std::mem::swap(&mut self.samples, &mut self.phases[0]);
+        }
     }
 
     /// What a set of edges adds: distances, or also of normals unless all edges are dots.
@@ -188,15 +184,29 @@ impl Surplus {
     fn of_cell(&self, shape: Shape, k: u32, [x, y]: [u32; 2]) -> f32 {
         let n = 1_usize << k;
         let (x, y) = (x as usize, y as usize);
-        let (us, vs) = (before(k), before(k) + n * (n + 1));
-        let ds = vs + n * (n + 1);
-        let (u, v) = (us + y * n + x, vs + y * (n + 1) + x);
-        let d = ds + y * n + x;
+        let (row, size) = (n + 1, plane(k));
+        let u = BEFORE[k as usize] + y * row + x;
+        let (v, d) = (u + size, u + 2 * size);
         if shape == Shape::Triangle && x == y {
             self.worst([u, v + 1, d].into_iter())
         } else {
-            self.worst([u, u + n, v, v + 1, d].into_iter())
+            self.worst([u, u + row, v, v + 1, d].into_iter())
         }
+    }
+
+    /// How many samples along a side a square asks for, as a power of two, if every step leaves a quarter of the one before.
+    pub(super) fn promising(&self, square: &Square) -> u32 {
+        let Some(k) = self.log.checked_sub(1) else {
+            return 1;
+        };
+        let cells = (0..1_u32 << (2 * k)).map(|c| [c & ((1 << k) - 1), c >> k]);
+        let cells = cells.filter(|[x, y]| square.shape == Shape::Square || y <= x);
+        let mut left = cells.fold(0.0_f32, |m, c| m.max(self.of_cell(square.shape, k, c)));
+        let mut log = self.log;
+        while left > 1.0 && log < MAX_LOG {
+            (left, log) = (left * 0.25, log + 1);
+        }
+        log
     }
 
     /// Whether cell (`x`, `y`) of the `2^k` by `2^k` of a square is too far from the surface.
@@ -229,6 +239,30 @@ impl Surplus {
     }
 }
 
+/// Splits samples of `2 n + 1` rows, `stride` apart, of as many columns into those of even and odd columns of even rows, then of odd rows.
+#[inline(always)]
+fn split(n: usize, samples: &[f32], stride: usize, phases: [&mut Vec<f32>; 4]) {
+    let row = n + 1;
+    let [a, b, c, d] = phases.map(|p| {
+        // What the last of a plane are split with lies beyond its end.
+        p.resize(row * row + n + 2, 0.0);
+        &mut p[..row * row]
+    });
+    for y in 0..=2 * n {
+        let at = y / 2 * row..(y / 2 + 1) * row;
+        let (even, odd) = match y % 2 {
+            0 => (&mut a[at.clone()], &mut b[at]),
+            _ => (&mut c[at.clone()], &mut d[at]),
+        };
+        let samples = &samples[y * stride..][..2 * n + 1];
+        even[n] = samples[2 * n];
+        let pairs = samples.chunks_exact(2);
+        for ((even, odd), pair) in even.iter_mut().zip(odd).zip(pairs) {
+            (*even, *odd) = (pair[0], pair[1]);
+        }
+    }
+}
+
 /// Points as the eye sees them, in place.
 #[inline(always)]
 fn transform(seen: &Seen, n: usize, points: &mut Grid3) {
@@ -248,18 +282,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_point_but_the_corners_splits_one_edge() {
-        for log in 0..=MAX_LOG as usize {
-            let n = (1 << log) + 1;
-            let mut seen: Vec<u16> = square_splits(log).iter().map(|s| s[0]).collect();
-            seen.sort_unstable();
-            seen.dedup();
-            assert_eq!(seen.len(), n * n - 4);
-            assert_eq!(square_splits(log).len(), before(log as u32));
-            for [p, a, b] in square_splits(log) {
-                assert_eq!(2 * p, a + b);
+    fn samples_are_split_by_the_parity_of_their_places() {
+        for log in 1..=MAX_LOG {
+            let (n, stride) = (1 << (log - 1), 50);
+            let samples: Vec<f32> = (0..40 * stride).map(|k| k as f32).collect();
+            let mut phases = [(); 4].map(|()| Vec::new());
+            split(n, &samples, stride, phases.each_mut());
+            for (k, phase) in phases.iter().enumerate() {
+                let (right, down) = (k % 2, k / 2);
+                for (y, x) in (0..=n - down).flat_map(|y| (0..=n - right).map(move |x| (y, x))) {
+                    let place = (2 * y + down) * stride + 2 * x + right;
+                    assert_eq!(phase[y * (n + 1) + x], place as f32);
+                }
             }
         }
-        assert_eq!(line_splits(2), &[[2, 0, 4], [1, 0, 2], [3, 2, 4]]);
+    }
+
+    #[test]
+    fn steps_lie_one_after_the_other() {
+        assert_eq!(BEFORE[..4], [0, 12, 39, 114]);
     }
 }
