@@ -358,7 +358,7 @@ mod tests {
                 let slope = f.slope(p);
                 assert!(slope[0].abs() <= f.most(), "{text} {p:?} {slope:?}");
                 for k in 0..3 {
-                    let step = 1.0 / 1024.0;
+                    let step = 1.0 / 4096.0;
                     let (mut a, mut b) = (p, p);
                     a[k] -= step;
                     b[k] += step;
