@@ -210,7 +210,7 @@ mod tests {
             for y in 0..24 {
                 for x in 0..40 {
                     state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-                    if x > 33 || (state >> 8) % 5 == 0 {
+                    if x > 33 || (state >> 8).is_multiple_of(5) {
                         continue;
                     }
                     let id = SampleId::new((x / 9 + y / 7) % 5, (state >> 12) % 32, y, state >> 31);

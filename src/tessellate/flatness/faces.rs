@@ -49,7 +49,7 @@ pub(super) fn needs(
                 hull.clear();
                 patch.prepare_points(surface, q, metric.reach.level, None, Sides::Hull);
                 if metric.reach.always {
-                    table_box(&patch, metric.reach.level, hull);
+                    table_box(patch, metric.reach.level, hull);
                 } else {
                     patch.hull(|p| hull.push(p));
                 }

@@ -139,7 +139,8 @@ impl Surplus {
             let n = 1 << k;
             let [even, odd, ..] = &mut self.phases;
             for (c, samples) in self.samples.iter().enumerate() {
-                (even[c].clear(), odd[c].clear());
+                even[c].clear();
+                odd[c].clear();
                 even[c].extend(samples.iter().step_by(2));
                 odd[c].extend(samples[1..].iter().step_by(2));
             }
