@@ -539,7 +539,6 @@ fn surfaces_are_continuous_at_every_corner() {
         for random in [random_cage(i), random_triangles(i)] {
             let case = &random.case;
             let options = SurfaceOptions {
-                patches: Default::default(),
                 scheme: Some(case.options.scheme),
                 boundary: Some(case.boundary),
                 face_varying: Some(case.fvar),

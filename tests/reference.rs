@@ -49,7 +49,6 @@ fn shapes(shared: &Path) -> Vec<Shape> {
     for line in table.lines().skip(1) {
         let columns: Vec<&str> = line.split('\t').collect();
         let options = SurfaceOptions {
-            patches: Default::default(),
             scheme: Some(match columns[1] {
                 "catmull-clark" => Scheme::CatmullClark,
                 "bilinear" => Scheme::Bilinear,

@@ -70,7 +70,6 @@ fn random(index: u64) -> (Surface, RandomCage) {
     cage = cage.with_uvs(uvs, shape.corner_uvs.clone()).unwrap();
     let case = &random.case;
     let options = SurfaceOptions {
-        patches: Default::default(),
         scheme: Some(Scheme::Loop),
         boundary: Some(case.boundary),
         face_varying: Some(case.fvar),
