@@ -28,8 +28,8 @@ fn hash([x, y, z]: [i32; 3], seed: u32) -> u32 {
 #[inline(always)]
 fn direction(h: u32) -> [f32; 3] {
     let h = h & 15;
-    let sign = |bit: u32| if h & bit == 0 { 1.0 } else { -1.0 };
-    let (a, b) = (sign(1), sign(2));
+    let a = if h & 1 == 0 { 1.0 } else { -1.0 };
+    let b = if h & 2 == 0 { 1.0 } else { -1.0 };
     // The first component goes along x or y, the second along y, x or z.
     let first_x = h < 8;
     let second_y = h < 4;
@@ -59,31 +59,61 @@ fn fade(t: f32) -> [f32; 2] {
     ]
 }
 
+// No closures below: those that are not inlined would be compiled without the caller's vector instructions.
+
+/// What lattice point `of + at` has to say of the place `from` beyond `of`.
+#[inline(always)]
+fn corner(of: [i32; 3], from: [f32; 3], at: [i32; 3], seed: u32) -> Slope {
+    let place = [
+        of[0].wrapping_add(at[0]),
+        of[1].wrapping_add(at[1]),
+        of[2].wrapping_add(at[2]),
+    ];
+    let [gx, gy, gz] = direction(hash(place, seed));
+    let (x, y, z) = (
+        from[0] - at[0] as f32,
+        from[1] - at[1] as f32,
+        from[2] - at[2] as f32,
+    );
+    [(gx * x + gy * y) + gz * z, gx, gy, gz]
+}
+
+/// The blend of two values along an axis, which adds its own derivative.
+#[inline(always)]
+fn mix(a: Slope, b: Slope, [t, dt]: [f32; 2], axis: usize) -> Slope {
+    let mut out = [0.0; 4];
+    for k in 0..4 {
+        out[k] = a[k] + (b[k] - a[k]) * t;
+    }
+    out[axis] += (b[0] - a[0]) * dt;
+    out
+}
+
 /// Gradient noise at a point: 0 at lattice points, about 1 apart.
 #[inline(always)]
 pub(super) fn perlin(p: [f32; 3], seed: u32) -> Slope {
     let (ix, x) = cell(p[0]);
     let (iy, y) = cell(p[1]);
     let (iz, z) = cell(p[2]);
-    let ([u, du], [v, dv], [w, dw]) = (fade(x), fade(y), fade(z));
-    let corner = |a: i32, b: i32, c: i32| {
-        let at = [ix.wrapping_add(a), iy.wrapping_add(b), iz.wrapping_add(c)];
-        let [gx, gy, gz] = direction(hash(at, seed));
-        let d = [x - a as f32, y - b as f32, z - c as f32];
-        [(gx * d[0] + gy * d[1]) + gz * d[2], gx, gy, gz]
-    };
-    // Along x, then y, then z; each blend adds its own derivative.
-    let mix = |a: Slope, b: Slope, t: f32, dt: f32, axis: usize| {
-        let mut out = [0.0; 4];
-        for k in 0..4 {
-            out[k] = a[k] + (b[k] - a[k]) * t;
-        }
-        out[axis] += (b[0] - a[0]) * dt;
-        out
-    };
-    let edge = |b: i32, c: i32| mix(corner(0, b, c), corner(1, b, c), u, du, 1);
-    let face = |c: i32| mix(edge(0, c), edge(1, c), v, dv, 2);
-    mix(face(0), face(1), w, dw, 3)
+    let (of, from) = ([ix, iy, iz], [x, y, z]);
+    let (u, v, w) = (fade(x), fade(y), fade(z));
+    // Along x, then y, then z.
+    let mut edges = [[0.0; 4]; 4];
+    for k in 0..4 {
+        let (b, c) = (k as i32 & 1, k as i32 >> 1);
+        let near = corner(of, from, [0, b, c], seed);
+        let far = corner(of, from, [1, b, c], seed);
+        edges[k] = mix(near, far, u, 1);
+    }
+    let low = mix(edges[0], edges[1], v, 2);
+    let high = mix(edges[2], edges[3], v, 2);
+    mix(low, high, w, 3)
+}
+
+/// The seed of a whole time.
+#[inline(always)]
+fn seed_at(seed: u32, time: i32) -> u32 {
+    seed.wrapping_add((time as u32).wrapping_mul(0x632b_e5ab))
 }
 
 /// The same as it changes with time: at whole times it is noise of different seeds, between them a blend of the two that keeps its
@@ -91,13 +121,11 @@ pub(super) fn perlin(p: [f32; 3], seed: u32) -> Slope {
 #[inline(always)]
 pub(super) fn moving(p: [f32; 3], time: f32, seed: u32) -> Slope {
     let (step, t) = cell(time);
-    let seed_at =
-        |k: i32| seed.wrapping_add((step.wrapping_add(k) as u32).wrapping_mul(0x632b_e5ab));
-    let a = perlin(p, seed_at(0));
+    let a = perlin(p, seed_at(seed, step));
     if t == 0.0 {
         return a;
     }
-    let b = perlin(p, seed_at(1));
+    let b = perlin(p, seed_at(seed, step.wrapping_add(1)));
     let [s, _] = fade(t);
     // Independent values of equal variance: the sum of squares of the weights is kept at 1.
     let norm = 1.0 / ((1.0 - s) * (1.0 - s) + s * s).sqrt();
