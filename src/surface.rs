@@ -1,34 +1,30 @@
 //! The subdivision surface of a cage: topology once, points as often as they move.
 
+mod channels;
 mod diced;
 mod displaced;
 mod export;
 mod jets;
+mod make;
 mod mesh;
 mod patch;
 
-use crate::control::tables::{Plans, TableTree, Walk};
-use crate::control::{ControlTree, Fans, Kind, TreeChannel};
-use crate::dice::control::Descend;
-use crate::dice::face::{Channel, FacePatch, Sides};
+use crate::control::tables::TableTree;
+use crate::control::{ControlTree, Fans, Kind};
+use crate::dice::face::{FacePatch, Sides};
 use crate::dice::fan_points::FanPoints;
-use crate::dice::presplit::presplit;
-use crate::dice::triangle::TriangleChannel;
 use crate::dice::{DiceFault, MAX_LEVEL};
-use crate::limits::{Budget, LimitError};
 use crate::math;
 use crate::mesh::{Cage, NONE};
 use crate::patch::{FacePatches, PatchKind, PnCage};
 use crate::records::Grid3;
 use crate::refine;
-use crate::scheme::{
-    Boundary, CreaseMethod, FaceVaryingRule, INFINITE_SHARPNESS, Scheme, TriangleRule,
-};
+use crate::scheme::{Boundary, CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
 use crate::simd::Level;
-use crate::topology::channel::connect_channel;
 use crate::topology::ears::Ears;
 use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
 use displaced::Displaced;
+use make::{given_normals, scheme_of, tagged_tension};
 use mesh::QuadMesh;
 use std::sync::Arc;
 
@@ -116,15 +112,6 @@ pub struct Surface {
     triangles: bool,
     displaced: Option<Arc<Displaced>>,
     warnings: Vec<TopologyWarning>,
-}
-
-/// The mesh of the faces that are diced, with points and texture coordinates.
-struct FirstLevel {
-    level: refine::Level<f64>,
-    /// Of a cage that is split first: the vertex of the split mesh that each vertex is.
-    split_vertices: Vec<u32>,
-    /// One per vertex, or none.
-    colors: Vec<[f64; 3]>,
 }
 
 impl Surface {
@@ -265,99 +252,6 @@ impl Surface {
         self.fan_limit(self.quads().fan(h))
     }
 
-    /// Channels of a cage without creases.
-    fn make_channels(&mut self, rule: FaceVaryingRule, boundary: Boundary) {
-        let (cage, linear) = (&self.cage, self.linear);
-        let base = std::mem::take(&mut self.mesh.base);
-        self.uv = (!cage.corner_uvs.is_empty()).then(|| {
-            // Corners without a value share one more, at the origin.
-            let missing = cage.uvs.len() as u32;
-            let values: Vec<u32> = cage
-                .corner_uvs
-                .iter()
-                .map(|&i| if i == NONE { missing } else { i })
-                .collect();
-            let topology = connect_channel(&base, values, cage.uvs.len() + 1, rule, boundary);
-            QuadMesh::new(topology, &uv_points(cage), false, linear)
-        });
-        let mesh = QuadMesh::new(base, &cage.points, true, linear);
-        self.colors = (!cage.colors.is_empty()).then(|| {
-            let points = match &mesh.split {
-                Some(split) => presplit(&mesh.base, split, &cage.colors, linear),
-                None => cage.colors.clone(),
-            };
-            let fans = mesh.fans_of(&points, None, false);
-            VertexChannel { points, fans }
-        });
-        self.mesh = mesh;
-    }
-
-    /// The tables of a cage under an interpolating scheme; `plans` are those of the same cage with other points.
-    fn table_tree(&self, rule: FaceVaryingRule, plans: Option<Arc<Plans>>) -> Option<TableTree> {
-        if !self.scheme.is_interpolating() {
-            return None;
-        }
-        let first = self.first_level(rule)?;
-        let options = self.refine_options();
-        Some(TableTree::new(first.level, first.colors, options, plans))
-    }
-
-    /// The control tree of a cage whose sharpness or triangle rule asks for one.
-    fn control_tree(&mut self, rule: FaceVaryingRule) -> Option<ControlTree> {
-        let (cage, base) = (&self.cage, &self.mesh.base);
-        let options = self.refine_options();
-        let tagged = !base.edge_sharpness.is_empty()
-            || cage.tags.corners.iter().any(|c| c.sharpness > 0.0)
-            || (options.triangles == TriangleRule::Smooth && !base.all_quads());
-        if self.linear || !(tagged || self.triangles) {
-            return None;
-        }
-        let first = self.first_level(rule)?;
-        self.split_vertices = first.split_vertices;
-        Some(ControlTree::new(first.level, first.colors, options))
-    }
-
-    /// The mesh of the faces that are diced.
-    fn first_level(&self, rule: FaceVaryingRule) -> Option<FirstLevel> {
-        let (cage, base) = (&self.cage, &self.mesh.base);
-        let options = self.refine_options();
-        let level = refine::Level::<f64>::of_cage(cage, base.clone(), self.scheme, rule).ok()?;
-        let wide = |c: &[f32; 3]| c.map(f64::from);
-        let colors: Vec<[f64; 3]> = cage.colors.iter().map(wide).collect();
-        if base.all_quads() || self.triangles {
-            return Some(FirstLevel {
-                level,
-                split_vertices: Vec::new(),
-                colors,
-            });
-        }
-        let mut timings = refine::Timings::default();
-        let quads = level.next(&options, &mut timings).ok()?;
-        let colors = match colors.is_empty() {
-            true => colors,
-            false => {
-                let colors = refine::Level::new(base.clone(), colors).ok()?;
-                colors.next(&options, &mut timings).ok()?.points
-            }
-        };
-        // Children keep the directions of a quad they come from; here their first corner is their parent's corner.
-        let into = refine::connectivity::Split::Quads;
-        let first = |h: u32| refine::connectivity::child_corner(into, base, h, 0) & 3;
-        let turned: Vec<(u32, u32)> = (0..base.half_count() as u32)
-            .map(|h| (h, first(h)))
-            .collect();
-        let part = quads.part(&turned);
-        let colors = match colors.is_empty() {
-            true => colors,
-            false => part.vertices.iter().map(|&v| colors[v as usize]).collect(),
-        };
-        Some(FirstLevel {
-            level: part.level,
-            split_vertices: part.vertices,
-            colors,
-        })
-    }
-
     /// The rules by which the cage is refined: options, else its tags, else defaults.
     #[must_use]
     pub fn refine_options(&self) -> refine::Options {
@@ -374,162 +268,6 @@ impl Surface {
     pub fn face_varying_rule(&self) -> FaceVaryingRule {
         let rule = self.options.face_varying;
         rule.or(self.cage.tags.face_varying).unwrap_or_default()
-    }
-
-    /// Makes what dicing at `level` of the quads needs. To be called once, before threads dice.
-    pub(crate) fn ensure(&self, level: u32) {
-        for level in self.levels_of(level) {
-            if let Some(control) = &self.control {
-                control.ensure(level);
-            }
-            if let Some(tables) = &self.tables {
-                tables.ensure(level);
-            }
-        }
-    }
-
-    /// The levels that dicing at one asks for: patches are fitted to points of level 1.
-    fn levels_of(&self, level: u32) -> impl Iterator<Item = u32> {
-        let fitted = matches!(self.patches, Some(PatchCage::Qas)) && level != 1;
-        std::iter::once(level).chain(fitted.then_some(1))
-    }
-
-    /// Makes the control levels that evaluation has for all faces at once, in about so many bytes.
-    pub(crate) fn ensure_evaluation(&self, bytes: u128) {
-        if let Some(control) = &self.control {
-            control.ensure_evaluation(bytes);
-        }
-    }
-
-    /// As [`Surface::ensure`], within a budget.
-    ///
-    /// # Errors
-    /// What is to be made would not fit; nothing is allocated for it then.
-    pub(crate) fn try_ensure(&self, level: u32, budget: &mut Budget<'_>) -> Result<(), LimitError> {
-        for level in self.levels_of(level) {
-            if let Some(control) = &self.control {
-                control.try_ensure(level, budget)?;
-            }
-            if let Some(tables) = &self.tables {
-                tables.try_ensure(level, budget)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether the surface has a channel.
-    pub(crate) fn has(&self, kind: Kind) -> bool {
-        match kind {
-            Kind::Points => true,
-            Kind::Uvs => self.has_uvs(),
-            Kind::Colors => !self.cage.colors.is_empty(),
-        }
-    }
-
-    /// Texture coordinates at the corners of face `q`, for linear interpolation; a triangle repeats its last.
-    fn linear_corners(&self, q: u32) -> Option<[[f32; 3]; 4]> {
-        let (t, points) = if let Some(tables) = &self.tables {
-            let mesh = tables.root(Kind::Uvs)?;
-            (&mesh.topology, &mesh.points)
-        } else if let Some(control) = &self.control {
-            let mesh = control.root(Kind::Uvs)?;
-            (&mesh.topology, &mesh.points)
-        } else {
-            let uv = self.uv.as_ref()?;
-            (uv.quads(), &uv.points)
-        };
-        let halves = t.face_halves(q);
-        let corner = |c: u32| points[t.vertex((halves.start + c).min(halves.end - 1)) as usize];
-        Some([corner(0), corner(1), corner(2), corner(3)])
-    }
-
-    /// Topology of the texture coordinates of the quads, cut at seams.
-    fn uv_topology(&self) -> Option<&Topology> {
-        if let Some(tables) = &self.tables {
-            return tables.root(Kind::Uvs).map(|mesh| &mesh.topology);
-        }
-        if let Some(control) = &self.control {
-            return control.root(Kind::Uvs).map(|mesh| &mesh.topology);
-        }
-        self.uv.as_ref().map(QuadMesh::quads)
-    }
-
-    /// A walk to single points of an interpolating surface, or to texture coordinates.
-    pub(crate) fn walk(&self, kind: Kind) -> Option<Walk<'_>> {
-        self.tables.as_ref()?.walk(kind)
-    }
-
-    /// Whether faces are patches without control levels: nothing has to be made before they are evaluated.
-    pub(crate) fn is_plain(&self) -> bool {
-        self.control.is_none() && self.tables.is_none()
-    }
-
-    /// The control levels below a channel.
-    pub(crate) fn below<'a>(
-        &'a self,
-        kind: Kind,
-        level: u32,
-        refined: Option<&'a RefinedFans>,
-    ) -> Option<TreeChannel<'a>> {
-        let control = self.control.as_deref()?;
-        Some(control.channel(kind, level, refined.map(|r| r.0.as_slice())))
-    }
-
-    /// A channel of the quads, if the surface has it.
-    pub(crate) fn channel<'a>(
-        &'a self,
-        kind: Kind,
-        below: Option<&'a TreeChannel<'a>>,
-    ) -> Option<Channel<'a>> {
-        let below = below.map(|b| b as &dyn Descend);
-        // Interpolating surfaces are no patches.
-        if self.tables.is_some() {
-            return None;
-        }
-        if let Some(control) = &self.control {
-            let mesh = control.root(kind)?;
-            let Fans::Quads(_, fans) = &mesh.fans else {
-                return None;
-            };
-            return Some(Channel {
-                topology: &mesh.topology,
-                points: &mesh.points,
-                fans,
-                below,
-                linear: false,
-            });
-        }
-        let (mesh, points, fans) = match kind {
-            Kind::Points => (&self.mesh, &self.mesh.points, &self.mesh.fans),
-            Kind::Uvs => {
-                let uv = self.uv.as_ref()?;
-                (uv, &uv.points, &uv.fans)
-            }
-            Kind::Colors => {
-                let colors = self.colors.as_ref()?;
-                (&self.mesh, &colors.points, &colors.fans)
-            }
-        };
-        Some(Channel {
-            topology: mesh.quads(),
-            points,
-            fans,
-            below: None,
-            linear: self.linear,
-        })
-    }
-
-    /// A channel of the triangles of Loop's scheme, if the surface has it.
-    pub(crate) fn triangle_channel(&self, kind: Kind) -> Option<TriangleChannel<'_>> {
-        let mesh = self.control.as_ref()?.root(kind)?;
-        let Fans::Triangles(_, fans) = &mesh.fans else {
-            return None;
-        };
-        Some(TriangleChannel {
-            topology: &mesh.topology,
-            points: &mesh.points,
-            fans,
-        })
     }
 
     /// Moves the cage's points; topology stays.
@@ -828,56 +566,6 @@ impl Surface {
             }
         })
     }
-}
-
-/// The scheme that a cage is drawn by. Schemes for triangles cannot take other faces; then it is Catmull-Clark, with a warning.
-fn scheme_of(cage: &Cage, options: &SurfaceOptions, warnings: &mut Vec<TopologyWarning>) -> Scheme {
-    let polygon = cage.first_polygon();
-    let wanted = options.scheme.or(cage.tags.scheme);
-    match (wanted, polygon) {
-        (Some(scheme), Some(face)) if scheme.is_triangular() => {
-            warnings.push(TopologyWarning::NotTriangles {
-                first: face,
-                corners: cage.face(face as usize).len() as u32,
-            });
-            Scheme::CatmullClark
-        }
-        (Some(scheme), _) => scheme,
-        (None, None) if cage.face_count() > 0 => Scheme::Loop,
-        (None, _) => Scheme::CatmullClark,
-    }
-}
-
-/// Unit normals of the file at every corner, where it has any; not numbers at corners without.
-fn given_normals(cage: &Cage) -> Vec<[f32; 3]> {
-    let of = |&n: &u32| {
-        let normal = cage.normals.get(n as usize);
-        let unit = normal.and_then(|&n| math::normalize(n));
-        unit.unwrap_or([f32::NAN; 3])
-    };
-    cage.corner_normals.iter().map(of).collect()
-}
-
-/// Tension by the sharpness of corners: 0 where it is infinite. Empty where all are 1.
-fn tagged_tension(cage: &Cage) -> Vec<f32> {
-    if cage.tags.corners.is_empty() {
-        return Vec::new();
-    }
-    let mut out = vec![1.0; cage.points.len()];
-    for corner in &cage.tags.corners {
-        if let Some(tension) = out.get_mut(corner.vertex as usize) {
-            *tension = math::saturate(1.0 - corner.sharpness / INFINITE_SHARPNESS);
-        }
-    }
-    out
-}
-
-fn uv_points(cage: &Cage) -> Vec<[f32; 3]> {
-    cage.uvs
-        .iter()
-        .map(|&[u, v]| [u, v, 0.0])
-        .chain([[0.0; 3]])
-        .collect()
 }
 
 #[cfg(test)]

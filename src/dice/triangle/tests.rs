@@ -1,20 +1,18 @@
 //! Diced triangles against plain refinement of whole meshes in f64, on small meshes with every kind of corner.
 
 use super::super::Target;
-use super::super::face::{Channel, DiceFault, FacePatch, Sides};
-use super::super::fan_points::{FanPoints, TangentMasks};
+use super::super::face::{DiceFault, FacePatch, Sides};
 use super::fans::{TriangleFans, TriangleMasks};
 use super::patch::{TriangleChannel, TrianglePatch};
 use crate::records::Grid3;
 use crate::scheme::Boundary;
 use crate::simd::Level;
-use crate::topology::{ConnectOptions, NONE, Topology, connect};
-use std::ops::Mul;
+use crate::topology::{NONE, Topology};
 
 mod meshes;
 mod plain;
 
-use meshes::{all_meshes, field, icosahedron, octahedron, torus, triangles, wheel};
+use meshes::{all_meshes, field, octahedron, triangles, wheel};
 use plain::{cross, dot, grid_vertices, limit, refine_once};
 
 type Mesh = (Topology, Vec<[f32; 3]>);
@@ -342,103 +340,4 @@ fn pieces_do_not_depend_on_the_valence() {
     };
     assert_eq!(count(7), count(5000));
     assert_eq!((count(7) - 3) % 15, 0);
-}
-
-/// Time on a processor in nanoseconds, where the system tells; else by the clock on the wall.
-fn processor_time() -> u64 {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let first = told.and_then(|s| s.split(' ').next().and_then(|n| n.parse().ok()));
-    first.unwrap_or_else(|| {
-        let epoch = std::time::SystemTime::UNIX_EPOCH;
-        epoch.elapsed().map_or(0, |d| d.as_nanos() as u64)
-    })
-}
-
-/// The mean time per point of `work` on so many points. The system counts in steps of some milliseconds.
-fn mean_time(points: usize, mut work: impl FnMut()) -> f64 {
-    let (start, mut rounds) = (processor_time(), 0);
-    let spent = |rounds: usize| (rounds > 0).then(|| processor_time() - start);
-    while spent(rounds).is_none_or(|t| t < 400_000_000) {
-        work();
-        rounds += 1;
-    }
-    (processor_time() - start) as f64 / (rounds * points) as f64
-}
-
-/// The same for regular quads, to compare with.
-fn time_quads(level: u32) -> [f64; 2] {
-    let (t, points) = torus(20, 20);
-    let corners: Vec<u32> = (0..400)
-        .flat_map(|q| [0, 1, 2, 4].map(|k| t.vertex(6 * q + k)))
-        .collect();
-    let offsets: Vec<u32> = (0..=400).map(|q| 4 * q).collect();
-    let (t, _) = connect(points.len(), &offsets, corners, &ConnectOptions::default());
-    let fans = FanPoints::new(&t, &TangentMasks::new(&t), &points, None, true);
-    let channel = Channel {
-        topology: &t,
-        points: &points,
-        fans: &fans,
-        below: None,
-        linear: false,
-    };
-    let mut patch = FacePatch::default();
-    patch.simd = Level::detect();
-    let (mut p, mut n) = (Grid3::boxed(), Grid3::boxed());
-    [true, false].map(|prepare| {
-        patch.prepare(channel, 0, Target::Limit, level, Sides::Normals);
-        mean_time(400 << (2 * level), || {
-            for q in 0..400 {
-                if prepare {
-                    patch.prepare(channel, q, Target::Limit, level, Sides::Normals);
-                }
-                patch.dice(0, 0, &mut p, Some(&mut n));
-                std::hint::black_box((&p, &n));
-            }
-        })
-    })
-}
-
-/// Nanoseconds per point of dicing the faces of a mesh for which `of` says so, with and without preparation.
-fn time(mesh: &Mesh, level: u32, of: impl Fn(u32) -> bool) -> [f64; 2] {
-    let fans = fans_of(mesh, Target::Limit, level);
-    let channel = TriangleChannel {
-        topology: &mesh.0,
-        points: &mesh.1,
-        fans: &fans,
-    };
-    let faces: Vec<u32> = (0..mesh.0.face_count() as u32).filter(|&f| of(f)).collect();
-    let mut patch = TrianglePatch::default();
-    patch.simd = Level::detect();
-    let (mut p, mut n) = (Grid3::boxed(), Grid3::boxed());
-    let rounds = (1000 / faces.len()).max(1);
-    [true, false].map(|prepare| {
-        patch.prepare(channel, faces[0], Target::Limit, level, Sides::Normals);
-        // A triangle of n² micro-triangles has half as many points, but for its sides.
-        mean_time((rounds * faces.len()) << (2 * level), || {
-            for &f in faces.iter().cycle().take(rounds * faces.len()) {
-                if prepare {
-                    patch.prepare(channel, f, Target::Limit, level, Sides::Normals);
-                }
-                patch.dice(0, 0, &mut p, Some(&mut n));
-                std::hint::black_box((&p, &n));
-            }
-        })
-        .mul(2.0)
-    })
-}
-
-#[test]
-#[ignore = "prints times"]
-fn times() {
-    for level in [2, 3, 4, 5] {
-        let regular = time(&torus(20, 20), level, |_| true);
-        let ico = time(&icosahedron(), level, |_| true);
-        let one = time(&wheel(7), level, |f| f % 3 == 0);
-        let many = time(&wheel(5000), level, |f| f % 3 == 0);
-        println!(
-            "level {level}, ns per point with and without preparing: regular {regular:.2?}, three irregular corners {ico:.2?}, \
-             one of valence 7 {one:.2?}, of valence 5000 {many:.2?}; quads {:.2?}",
-            time_quads(level)
-        );
-    }
 }

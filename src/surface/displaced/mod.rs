@@ -1,146 +1,22 @@
-//! Displaced surfaces: what belongs to whom, and faces that are diced displaced. The rules stand in [`displace`](crate::displace).
+//! Faces that are diced displaced. The rules stand in [`displace`](crate::displace).
+
+mod derivatives;
+mod owners;
+
+pub(super) use derivatives::linear_at;
+pub(crate) use owners::Displaced;
 
 use super::Surface;
 use super::jets::{Derivatives, Jets};
 use super::patch::ChannelPatch;
 use crate::control::Kind;
 use crate::dice::face::{Part, Sides};
-use crate::displace::normal::{Bend, unit};
-use crate::displace::{Around, Displacement, Heights, mitre};
-use crate::math;
+use crate::displace::{Around, Heights, mitre};
 use crate::records::{BLOCK_POINTS, BLOCK_STRIDE, BlockSize, Grid3};
 use crate::simd::Level;
 use crate::topology::{NONE, Topology};
-use std::collections::{BTreeMap, BTreeSet};
+use derivatives::{bend, differences, fold, linear_derivatives, two, uv_by};
 use std::sync::Arc;
-
-/// The displacement of a surface, with what of its topology goes its own ways.
-#[derive(Clone, Debug)]
-pub(crate) struct Displaced {
-    pub(crate) displacement: Displacement,
-    /// Edges of more than two faces, and fans of vertices that do not hang together: these stay.
-    held_edges: BTreeSet<u32>,
-    held_vertices: BTreeSet<u32>,
-    /// Directions of vertices at infinite creases.
-    directions: BTreeMap<u32, [f32; 3]>,
-    /// Bound of how far points move.
-    reach: f32,
-}
-
-impl Displaced {
-    fn new(surface: &Surface, displacement: Displacement) -> Self {
-        let (whole, cut) = (surface.whole_quads(), surface.quads());
-        let mut faces = vec![0_u32; whole.edge_count()];
-        for h in 0..whole.half_count() as u32 {
-            faces[whole.edge(h) as usize] += 1;
-        }
-        let paired = |e: u32| whole.twin(whole.edge_half(e)) != NONE;
-        let held = (0..whole.edge_count() as u32)
-            .filter(|&e| faces[e as usize] > 1 + u32::from(paired(e)));
-        let held_edges = held.collect();
-        let first = whole.vertex_count() as u32;
-        let extra = first..whole.fans().len() as u32;
-        let held_vertices = extra.map(|fan| whole.fan_vertex(fan)).collect();
-        let mut directions = BTreeMap::new();
-        if surface.linear {
-            directions = linear_directions(surface);
-        }
-        for (v, fan) in (0..).zip(whole.fans()) {
-            let cuts = |h: u32| cut.fans()[cut.fan(h) as usize].faces != fan.faces;
-            if fan.first == NONE || surface.linear || !cuts(fan.first) {
-                continue;
-            }
-            let mut normals = Vec::new();
-            let (mut h, mut last) = (fan.first, NONE);
-            for _ in 0..fan.faces {
-                if cut.fan(h) != last
-                    && !(fan.closed && Some(cut.fan(h)) == normals.first().map(|n: &(u32, _)| n.0))
-                {
-                    normals.push((cut.fan(h), surface.fan_limit(cut.fan(h)).1));
-                }
-                last = cut.fan(h);
-                h = whole.rotate(h);
-                if h == NONE {
-                    break;
-                }
-            }
-            let normals: Vec<[f32; 3]> = normals.into_iter().map(|n| n.1).collect();
-            directions.insert(v, mitre(&normals));
-        }
-        let most = displacement.most();
-        // Mitres.
-        let reach = if directions.is_empty() {
-            most
-        } else {
-            2.0 * most
-        };
-        Self {
-            reach,
-            displacement,
-            held_edges,
-            held_vertices,
-            directions,
-        }
-    }
-}
-
-/// Directions of the vertices of a bilinear surface, where every edge is a crease: mitres of their faces' normals.
-fn linear_directions(surface: &Surface) -> BTreeMap<u32, [f32; 3]> {
-    let (t, points) = (surface.quads(), surface.control_points());
-    let at = |h: u32| points[t.vertex(h) as usize];
-    let mut out = BTreeMap::new();
-    for (v, fan) in (0..).zip(t.fans()).filter(|(_, fan)| fan.first != NONE) {
-        let mut h = fan.first;
-        let mut normals = Vec::new();
-        for _ in 0..fan.faces {
-            let (next, before) = (
-                math::sub(at(t.next(h)), at(h)),
-                math::sub(at(t.prev(h)), at(h)),
-            );
-            normals.extend(unit(next, before));
-            h = t.rotate(h);
-            if h == NONE {
-                break;
-            }
-        }
-        out.insert(v, mitre(&normals));
-    }
-    out
-}
-
-impl Surface {
-    /// Displaces the surface from now on, in [`Surface::dice`] and pictures; `None` takes the displacement away. A map needs texture
-    /// coordinates: without, it is read at (0, 0). PN triangles then stand on the cage's own normals, not those of the file. Evaluation at places ([`evaluate`](crate::evaluate)) goes on answering for the limit
-    /// surface. The rules at seams and creases: [`displace`](crate::displace).
-    pub fn set_displacement(&mut self, displacement: Option<Displacement>) {
-        if displacement.is_some() {
-            self.forget_given_normals();
-        }
-        self.displaced = displacement.map(|d| Arc::new(Displaced::new(self, d)));
-    }
-
-    /// How the surface is displaced.
-    #[must_use]
-    pub fn displacement(&self) -> Option<&Displacement> {
-        self.displaced.as_ref().map(|d| &d.displacement)
-    }
-
-    /// Bound of how far displacement moves a point; 0 without.
-    #[must_use]
-    pub fn displacement_reach(&self) -> f32 {
-        self.displaced.as_ref().map_or(0.0, |d| d.reach)
-    }
-
-    /// Makes what depends on the points again.
-    pub(super) fn update_displacement(&mut self) {
-        let displacement = self.displacement().cloned();
-        self.set_displacement(displacement);
-    }
-
-    fn halves_of(&self, face: u32) -> std::ops::Range<u32> {
-        self.quads().face_halves(face)
-    }
-}
 
 /// A side of a face that takes something from elsewhere.
 #[derive(Clone, Debug, Default)]
@@ -892,83 +768,5 @@ impl DisplacedPatch {
             return linear_derivatives(surface, face, self.triangle, at);
         }
         (jets.at::<1>(surface, Kind::Uvs, self.level, face, at)).unwrap_or_default()
-    }
-}
-
-fn bend(d: &Derivatives) -> Bend {
-    Bend {
-        du: d.du,
-        dv: d.dv,
-        second: d.second,
-    }
-}
-
-fn two([u, v, _]: [f32; 3]) -> [f32; 2] {
-    [u, v]
-}
-
-fn uv_by(d: &Derivatives) -> [[f32; 2]; 2] {
-    [two(d.du), two(d.dv)]
-}
-
-/// Texture coordinates that are linear between the corners.
-pub(super) fn linear_at(c: &[[f32; 3]; 4], triangle: bool, [s, t]: [f32; 2]) -> [f32; 3] {
-    let at = |k: usize| {
-        if triangle {
-            // Above the diagonal, everything is folded onto it.
-            let t = t.min(s);
-            return (c[0][k] * (1.0 - s) + c[1][k] * (s - t)) + c[2][k] * t;
-        }
-        (c[0][k] * (1.0 - s) + c[1][k] * s) * (1.0 - t) + (c[3][k] * (1.0 - s) + c[2][k] * s) * t
-    };
-    [at(0), at(1), 0.0]
-}
-
-fn linear_derivatives(
-    surface: &Surface,
-    face: u32,
-    triangle: bool,
-    [s, t]: [f32; 2],
-) -> Derivatives {
-    let Some(c) = surface.linear_corners(face) else {
-        return Derivatives::default();
-    };
-    let along = |a: usize, b: usize| [0, 1, 2].map(|k| c[b][k] - c[a][k]);
-    let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|k| a[k] * (1.0 - t) + b[k] * t);
-    let (du, dv) = match triangle {
-        // By the weights of corners 1 and 2, as everything of triangles.
-        true => (along(0, 1), along(0, 2)),
-        false => (
-            mix(along(0, 1), along(3, 2), t),
-            mix(along(0, 3), along(1, 2), s),
-        ),
-    };
-    Derivatives {
-        du,
-        dv,
-        second: Default::default(),
-    }
-}
-
-/// Derivatives of surfaces that have no formula: differences of the grid.
-fn differences(grid: &Grid3, j: usize, out: &mut [Derivatives]) {
-    let last = out.len() - 1;
-    let step = |k: usize| (k.saturating_sub(1), (k + 1).min(last));
-    for (i, out) in out.iter_mut().enumerate() {
-        let ((i0, i1), (j0, j1)) = (step(i), step(j));
-        let between = |a: [f32; 3], b: [f32; 3], steps: usize| {
-            [0, 1, 2].map(|k| (b[k] - a[k]) / steps.max(1) as f32)
-        };
-        out.du = between(grid.get(i0, j), grid.get(i1, j), i1 - i0);
-        out.dv = between(grid.get(i, j0), grid.get(i, j1), j1 - j0);
-        out.second = Default::default();
-    }
-}
-
-/// Repeats the diagonal above it.
-fn fold(grid: &mut Grid3, side: usize) {
-    for j in 1..side {
-        let p = grid.get(j, j);
-        (0..j).for_each(|i| grid.set(i, j, p));
     }
 }

@@ -1,0 +1,88 @@
+//! Derivatives as displacement wants them: of linear faces, by differences on grids, and of the surface by texture coordinates.
+
+use crate::displace::normal::Bend;
+use crate::records::Grid3;
+use crate::surface::Surface;
+use crate::surface::jets::Derivatives;
+
+pub(super) fn bend(d: &Derivatives) -> Bend {
+    Bend {
+        du: d.du,
+        dv: d.dv,
+        second: d.second,
+    }
+}
+
+pub(super) fn two([u, v, _]: [f32; 3]) -> [f32; 2] {
+    [u, v]
+}
+
+pub(super) fn uv_by(d: &Derivatives) -> [[f32; 2]; 2] {
+    [two(d.du), two(d.dv)]
+}
+
+/// Texture coordinates that are linear between the corners.
+pub(in crate::surface) fn linear_at(
+    c: &[[f32; 3]; 4],
+    triangle: bool,
+    [s, t]: [f32; 2],
+) -> [f32; 3] {
+    let at = |k: usize| {
+        if triangle {
+            // Above the diagonal, everything is folded onto it.
+            let t = t.min(s);
+            return (c[0][k] * (1.0 - s) + c[1][k] * (s - t)) + c[2][k] * t;
+        }
+        (c[0][k] * (1.0 - s) + c[1][k] * s) * (1.0 - t) + (c[3][k] * (1.0 - s) + c[2][k] * s) * t
+    };
+    [at(0), at(1), 0.0]
+}
+
+pub(super) fn linear_derivatives(
+    surface: &Surface,
+    face: u32,
+    triangle: bool,
+    [s, t]: [f32; 2],
+) -> Derivatives {
+    let Some(c) = surface.linear_corners(face) else {
+        return Derivatives::default();
+    };
+    let along = |a: usize, b: usize| [0, 1, 2].map(|k| c[b][k] - c[a][k]);
+    let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|k| a[k] * (1.0 - t) + b[k] * t);
+    let (du, dv) = match triangle {
+        // By the weights of corners 1 and 2, as everything of triangles.
+        true => (along(0, 1), along(0, 2)),
+        false => (
+            mix(along(0, 1), along(3, 2), t),
+            mix(along(0, 3), along(1, 2), s),
+        ),
+    };
+    Derivatives {
+        du,
+        dv,
+        second: Default::default(),
+    }
+}
+
+/// Derivatives of surfaces that have no formula: differences of the grid.
+pub(super) fn differences(grid: &Grid3, j: usize, out: &mut [Derivatives]) {
+    let last = out.len() - 1;
+    let step = |k: usize| (k.saturating_sub(1), (k + 1).min(last));
+    for (i, out) in out.iter_mut().enumerate() {
+        let ((i0, i1), (j0, j1)) = (step(i), step(j));
+        let between = |a: [f32; 3], b: [f32; 3], steps: usize| {
+            [0, 1, 2].map(|k| (b[k] - a[k]) / steps.max(1) as f32)
+        };
+        out.du = between(grid.get(i0, j), grid.get(i1, j), i1 - i0);
+        out.dv = between(grid.get(i, j0), grid.get(i, j1), j1 - j0);
+        out.second = Default::default();
+    }
+}
+
+/// Repeats the diagonal above it.
+pub(super) fn fold(grid: &mut Grid3, side: usize) {
+    for j in 1..side {
+        let p = grid.get(j, j);
+        (0..j).for_each(|i| grid.set(i, j, p));
+    }
+}
