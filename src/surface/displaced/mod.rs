@@ -58,6 +58,14 @@ pub(super) struct DisplacedPatch {
     relief: Option<[Box<Grid3>; 3]>,
 }
 
+/// Derivatives of the face itself along a row of its grid, of points and of texture coordinates, and what evaluates them.
+#[derive(Clone, Debug, Default)]
+struct Rows {
+    own: [Jets; 2],
+    points: Vec<Derivatives>,
+    uvs: Vec<Derivatives>,
+}
+
 #[derive(Clone, Debug)]
 struct Work {
     limits: Box<Grid3>,
@@ -65,11 +73,9 @@ struct Work {
     directions: Box<Grid3>,
     uvs: Box<Grid3>,
     heights: Heights,
-    own: [Jets; 2],
+    rows: Rows,
     /// Of the faces that own the sides.
     others: [[Jets; 2]; 4],
-    row: Vec<Derivatives>,
-    uv_row: Vec<Derivatives>,
     /// Of the last block: texture coordinates that the owner of a crease replaced.
     replaced: Vec<([usize; 2], [f32; 3])>,
 }
@@ -82,10 +88,8 @@ impl Default for Work {
             directions: Grid3::boxed(),
             uvs: Grid3::boxed(),
             heights: Heights::default(),
-            own: Default::default(),
+            rows: Rows::default(),
             others: Default::default(),
-            row: Vec::new(),
-            uv_row: Vec::new(),
             replaced: Vec::new(),
         }
     }
@@ -132,7 +136,7 @@ impl DisplacedPatch {
         (self.face, self.level) = (q, level);
         self.triangle = surface.triangles;
         if let Some(work) = &mut self.work {
-            work.own.iter_mut().for_each(Jets::forget);
+            work.rows.own.iter_mut().for_each(Jets::forget);
             work.others.iter_mut().flatten().for_each(Jets::forget);
         }
         let Some(on) = self.on.clone() else {
@@ -397,61 +401,29 @@ impl DisplacedPatch {
         normals: &mut Grid3,
         work: &mut Work,
     ) {
-        let side = part.segments as usize + 1;
-        work.row.resize(side, Derivatives::default());
-        work.uv_row.resize(side, Derivatives::default());
         let displacement = &on.displacement;
-        for j in 0..side {
-            let row = (part, j as u32);
-            let [own, own_uv] = &mut work.own;
-            let found = own.row::<2>(
-                surface,
-                (Kind::Points, self.level),
-                self.face,
-                row,
-                self.simd,
-                &mut work.row,
-            );
-            if !found {
-                differences(&work.limits, j, &mut work.row);
-            }
-            if self.has_uvs {
-                self.uv_row(surface, own_uv, row, &work.uvs, &mut work.uv_row);
-            }
-            for i in 0..side {
-                let k = j * BLOCK_STRIDE + i;
-                if work.directions.at(k) == [0.0; 3] {
-                    continue;
-                }
-                let around = Around {
-                    position: work.limits.at(k),
-                    normal: work.normals.at(k),
-                    bend: bend(&work.row[i]),
-                    uv: two(work.uvs.at(k)),
-                    uv_by: uv_by(&work.uv_row[i]),
-                };
-                normals.put(
-                    k,
-                    displacement.normal(&around, work.heights.values[k], work.heights.slopes.at(k)),
-                );
-            }
-        }
-        if surface.tables.is_some() {
-            return;
-        }
-        let n = 1_u32 << self.level;
-        // What belongs to others, once more.
         let Work {
             limits,
             normals: limit_normals,
             directions,
             uvs,
             heights,
-            own,
+            rows,
             others,
             replaced,
-            ..
         } = work;
+        let grids = [&**limits, &**limit_normals, &**uvs];
+        self.each_around(surface, part, grids, (rows, self.has_uvs), |k, around| {
+            if directions.at(k) != [0.0; 3] {
+                let (height, slope) = (heights.values[k], heights.slopes.at(k));
+                normals.put(k, displacement.normal(around, height, slope));
+            }
+        });
+        if surface.tables.is_some() {
+            return;
+        }
+        let n = 1_u32 << self.level;
+        // What belongs to others, once more.
         let site = |[i, j]: [usize; 2]| {
             let k = j * BLOCK_STRIDE + i;
             let is_held = directions.at(k) == [0.0; 3];
@@ -483,7 +455,7 @@ impl DisplacedPatch {
             if let Some((place, position, normal, height)) = site(at)
                 && let Some(around) = self.around(
                     surface,
-                    own,
+                    &mut rows.own,
                     (self.face, own_place),
                     (position, normal, two(uv)),
                 )
@@ -659,7 +631,7 @@ impl DisplacedPatch {
             surface,
             part,
             [points, normals, uvs],
-            &mut work,
+            (&mut work.rows, true),
             |k, around| {
                 let (height, _) = on.displacement.slope_at(around.position, around.uv);
                 let [a, b] = on.displacement.tilts(around, height);
@@ -683,7 +655,7 @@ impl DisplacedPatch {
             surface,
             part,
             [points, normals, uvs],
-            &mut work,
+            (&mut work.rows, true),
             |k, around| {
                 let [a, b] = around.bend.by_uv(around.uv_by);
                 out[0].put(k, a);
@@ -693,31 +665,35 @@ impl DisplacedPatch {
         self.work = Some(work);
     }
 
+    /// Calls `each` for the points of a part with the limit surface around them; without `with_uvs` texture coordinates stand still.
     fn each_around(
         &self,
         surface: &Surface,
         part: Part,
         [points, normals, uvs]: [&Grid3; 3],
-        work: &mut Work,
+        (rows, with_uvs): (&mut Rows, bool),
         mut each: impl FnMut(usize, &Around),
     ) {
         let side = part.segments as usize + 1;
-        work.row.resize(side, Derivatives::default());
-        work.uv_row.resize(side, Derivatives::default());
+        rows.points.resize(side, Derivatives::default());
+        rows.uvs.clear();
+        rows.uvs.resize(side, Derivatives::default());
         for j in 0..side {
             let row = (part, j as u32);
-            let [own, own_uv] = &mut work.own;
+            let [own, own_uv] = &mut rows.own;
             if !own.row::<2>(
                 surface,
                 (Kind::Points, self.level),
                 self.face,
                 row,
                 self.simd,
-                &mut work.row,
+                &mut rows.points,
             ) {
-                differences(points, j, &mut work.row);
+                differences(points, j, &mut rows.points);
             }
-            self.uv_row(surface, own_uv, row, uvs, &mut work.uv_row);
+            if with_uvs {
+                self.uv_row(surface, own_uv, row, uvs, &mut rows.uvs);
+            }
             for i in 0..side {
                 let k = j * BLOCK_STRIDE + i;
                 each(
@@ -725,9 +701,9 @@ impl DisplacedPatch {
                     &Around {
                         position: points.at(k),
                         normal: normals.at(k),
-                        bend: bend(&work.row[i]),
+                        bend: bend(&rows.points[i]),
                         uv: two(uvs.at(k)),
-                        uv_by: uv_by(&work.uv_row[i]),
+                        uv_by: uv_by(&rows.uvs[i]),
                     },
                 );
             }
