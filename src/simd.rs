@@ -188,6 +188,35 @@ fn neon<R>(f: impl FnOnce() -> R) -> R {
     f()
 }
 
+/// One bit per lane, that of lane 0 lowest: set where `lanes` holds -1, clear where it holds 0. Loops over lanes write the bytes;
+/// every level then has one instruction or a few for what a loop of shifts takes dozens for.
+#[must_use]
+#[inline(always)]
+#[cfg_attr(
+    target_arch = "x86_64",
+    expect(unsafe_code, reason = "the baseline has the instruction, but only as an intrinsic")
+)]
+pub fn bits(lanes: &[i8; LANES]) -> u32 {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_mm_loadu_si128, _mm_movemask_epi8};
+        // SAFETY: every x86-64 has SSE2; the load is unaligned and of the array's 16 bytes.
+        unsafe { _mm_movemask_epi8(_mm_loadu_si128(lanes.as_ptr().cast())) as u32 }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        let bit = |l: usize| u32::from(lanes[l] < 0) << l;
+        (0..LANES).fold(0, |all, l| all | bit(l))
+    }
+}
+
+/// -1 or 0, as [`bits`] takes them.
+#[must_use]
+#[inline(always)]
+pub fn flag(is: bool) -> i8 {
+    -i8::from(is)
+}
+
 /// `dispatch!(level, kernel(a, b))`: evaluates the call with the instructions of `level` enabled. `kernel` must be an
 /// `#[inline(always)]` function: its whole body, and what it inlines, is then compiled once per level.
 #[macro_export]
@@ -221,6 +250,14 @@ mod tests {
     fn horner(x: &[f32], out: &mut [f32]) {
         for (o, &v) in out.iter_mut().zip(x) {
             *o = ((v * 0.1 + 0.7) * v + 0.3) / (v + 1.5);
+        }
+    }
+
+    #[test]
+    fn bits_stand_in_the_order_of_lanes() {
+        for pattern in [0, 1, 0x8000, 0x1234, 0xffff, 0x5555] {
+            let lanes: [i8; LANES] = std::array::from_fn(|l| flag(pattern >> l & 1 != 0));
+            assert_eq!(bits(&lanes), pattern);
         }
     }
 

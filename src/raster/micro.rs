@@ -10,7 +10,7 @@ use super::project::ProjectedBlock;
 use super::samples::sample_positions;
 use super::tile::{Cell, Tile};
 use crate::records::BLOCK_STRIDE;
-use crate::simd::LANES;
+use crate::simd::{LANES, bits, flag};
 use std::hint::select_unpredictable;
 
 /// Largest extent, 1/256 pixel, of a micro-quad of this path; its window is then at most 6 by 6 samples. Larger makes vectors wait
@@ -65,28 +65,21 @@ pub(super) fn chunk<C: Cell>(
     let mut y_low: Ints = [0; LANES];
     let mut y_high: Ints = [0; LANES];
     // Lanes of this path, and lanes that touch the tile.
-    let mut small: Ints = [0; LANES];
-    let mut touching: Ints = [0; LANES];
-    let (mut any_small, mut any) = (false, false);
+    let mut fits = [0; LANES];
+    let mut touching = [0; LANES];
     for l in 0..LANES {
         let x0 = ax[l].min(bx[l]).min(cx[l].min(dx[l]));
         let x1 = ax[l].max(bx[l]).max(cx[l].max(dx[l]));
         let y0 = ay[l].min(by[l]).min(cy[l].min(dy[l]));
         let y1 = ay[l].max(by[l]).max(cy[l].max(dy[l]));
         (x_low[l], x_high[l], y_low[l], y_high[l]) = (x0, x1, y0, y1);
-        let touches = (x1 > left) & (x0 < right) & (y1 > top) & (y0 < bottom);
-        let fits = (x1 - x0 <= MICRO_EXTENT) & (y1 - y0 <= MICRO_EXTENT);
-        let touches = touches & ((chunk.live >> l) & 1 != 0);
-        touching[l] = i32::from(touches);
-        small[l] = i32::from(touches & fits);
-        any |= touches;
-        any_small |= touches & fits;
+        touching[l] = flag((x1 > left) & (x0 < right) & (y1 > top) & (y0 < bottom));
+        fits[l] = flag((x1 - x0 <= MICRO_EXTENT) & (y1 - y0 <= MICRO_EXTENT));
     }
-    if !any {
-        return 0;
-    }
-    if chunk.refuse || !any_small {
-        return mask(&touching);
+    let touching = bits(&touching) & chunk.live;
+    let fits = bits(&fits) & touching;
+    if chunk.refuse || fits == 0 {
+        return touching;
     }
 
     // Edges ab, bc, dc, ad, ac: directions, and thresholds of their signs.
@@ -96,7 +89,7 @@ pub(super) fn chunk<C: Cell>(
     let mut inverse0: Floats = [0.0; LANES];
     let mut inverse1: Floats = [0.0; LANES];
     let mut front: Ints = [0; LANES];
-    let mut rest = false;
+    let mut folded = [0; LANES];
     for l in 0..LANES {
         let x = [
             bx[l] - ax[l],
@@ -122,12 +115,14 @@ pub(super) fn chunk<C: Cell>(
         inverse0[l] = 1.0 / area0.abs();
         inverse1[l] = 1.0 / area1.abs();
         front[l] = i32::from((area0 < 0.0) | (area1 < 0.0));
-        let fold = ((area0 < 0.0) & (area1 > 0.0)) | ((area0 > 0.0) & (area1 < 0.0));
-        small[l] = if fold { 0 } else { small[l] };
-        touching[l] -= small[l];
-        rest |= touching[l] != 0;
+        folded[l] = flag(((area0 < 0.0) & (area1 > 0.0)) | ((area0 > 0.0) & (area1 < 0.0)));
     }
-    let left_over = if rest { mask(&touching) } else { 0 };
+    let fits = fits & !bits(&folded);
+    let left_over = touching & !fits;
+    let mut small: Ints = [0; LANES];
+    for l in 0..LANES {
+        small[l] = (fits >> l & 1) as i32;
+    }
 
     let (za, zb) = (&block.depth[upper], &block.depth[upper1]);
     let (zc, zd) = (&block.depth[lower1], &block.depth[lower]);
@@ -165,11 +160,12 @@ pub(super) fn chunk<C: Cell>(
         let mut batch = Batch::default();
         'slots: for slot_y in 0..WINDOW {
             for slot_x in 0..WINDOW {
-                let mut any = false;
+                let mut here = [0; LANES];
                 for l in 0..LANES {
-                    any |= (slot_x < across[l]) & (slot_y < down[l]);
+                    here[l] = flag((slot_x < across[l]) & (slot_y < down[l]));
                 }
-                if !any {
+                let here = bits(&here);
+                if here == 0 {
                     if slot_x == 0 {
                         break 'slots;
                     }
@@ -177,7 +173,8 @@ pub(super) fn chunk<C: Cell>(
                 }
                 let step = (slot_x * 256) as f32;
                 let mut depth: Floats = [0.0; LANES];
-                let mut masks = 0_u32;
+                let mut hit = [0; LANES];
+                let mut second = [0; LANES];
                 for l in 0..LANES {
                     let ab = row[0][l] - ey[0][l] * step;
                     let bc = row[1][l] - ey[1][l] * step;
@@ -189,9 +186,8 @@ pub(super) fn chunk<C: Cell>(
                     let p_ac = ac >= et[4][l];
                     let half0 = (p_ab == (bc >= et[1][l])) & (p_ab != p_ac);
                     let half1 = (p_dc == (ad >= et[3][l])) & (p_dc != p_ac);
-                    let here = (slot_x < across[l]) & (slot_y < down[l]);
-                    let hit = (half0 | half1) & here;
-                    masks |= (u32::from(hit) | u32::from(!half0) << LANES) << l;
+                    hit[l] = flag(half0 | half1);
+                    second[l] = flag(!half0);
                     // An `if` here may become a choice of addresses, and a gather.
                     let w0 = select_unpredictable(half0, bc, dc).abs();
                     let w2 = select_unpredictable(half0, ab, ad).abs();
@@ -201,8 +197,8 @@ pub(super) fn chunk<C: Cell>(
                 }
                 batch.depth[batch.len] = depth;
                 batch.offset[batch.len] = slot_y * stride + slot_x;
-                batch.hits |= u64::from(masks & 0xffff) << (LANES * batch.len);
-                batch.second |= u64::from(masks >> LANES) << (LANES * batch.len);
+                batch.hits |= u64::from(bits(&hit) & here) << (LANES * batch.len);
+                batch.second |= u64::from(bits(&second)) << (LANES * batch.len);
                 batch.len += 1;
                 if batch.len == SLOTS {
                     let plane = &mut tile.cells[plane_at..plane_end];
@@ -219,16 +215,6 @@ pub(super) fn chunk<C: Cell>(
         batch.put(plane, &base, &front, chunk.id);
     }
     left_over
-}
-
-/// One bit per lane that is not 0.
-#[inline(always)]
-fn mask(lanes: &Ints) -> u32 {
-    let mut mask = 0;
-    for l in 0..LANES {
-        mask |= u32::from(lanes[l] != 0) << l;
-    }
-    mask
 }
 
 /// Slots whose hits are put together.
