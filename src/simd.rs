@@ -194,7 +194,10 @@ fn neon<R>(f: impl FnOnce() -> R) -> R {
 #[inline(always)]
 #[cfg_attr(
     target_arch = "x86_64",
-    expect(unsafe_code, reason = "the baseline has the instruction, but only as an intrinsic")
+    expect(
+        unsafe_code,
+        reason = "the baseline has the instruction, but only as an intrinsic"
+    )
 )]
 pub fn bits(lanes: &[i8; LANES]) -> u32 {
     #[cfg(target_arch = "x86_64")]

@@ -8,6 +8,7 @@ use super::job::{Job, commit_all, print_text};
 use super::render::{check_picture, input_paths, stats_output};
 use super::stats::{Clock, Json, Stages, Time, frame_stages};
 use super::watch::{self, Phase};
+use super::{bench_calibrate, bench_cold, bench_page, bench_scale};
 use clap::{Args, ValueEnum};
 use earmark::frame::{Drawing, Finished, FrameStats, Renderer};
 use earmark::limits::Limits;
@@ -32,6 +33,12 @@ pub(crate) enum Suite {
     Evaluate,
     /// QAS and PN patches: time per point of a uniform level (default 4) against that of the limit surface, and distances from it
     Patches,
+    /// Two fixed pieces of arithmetic and copying, by which milliseconds of machines can be compared
+    Calibrate,
+    /// `render` in a fresh process each time, from file to PNG; takes the flags of render
+    Cold,
+    /// Frames against triangles (uniform levels up to --level, default 9), threads and samples; --page FILE plots them
+    Scale,
     /// Tables of the papers again, on cages of as many faces that are made here: frames of 1024 by 1024 with one sample, and what was
     /// published for a GPU
     Paper,
@@ -51,6 +58,9 @@ pub(crate) struct Arguments {
     /// refine: unit limit normals too
     #[arg(long)]
     pub(crate) normals: bool,
+    /// scale: write a page with plots (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) page: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -105,9 +115,21 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         None => None,
     };
     check_picture(&a.picture, &job.limits(), 8)?;
-    if a.suite == Suite::Paper && !models.is_empty() {
-        return Err(Failure::usage("bench paper makes its own models"));
+    let modelless = match a.suite {
+        Suite::Paper => Some("paper"),
+        Suite::Calibrate => Some("calibrate"),
+        _ => None,
+    };
+    if let Some(suite) = modelless.filter(|_| !models.is_empty()) {
+        return Err(Failure::usage(format!("bench {suite} takes no model")));
     }
+    if a.page.is_some() && a.suite != Suite::Scale {
+        return Err(Failure::usage("--page belongs to bench scale"));
+    }
+    let page = match &a.page {
+        Some(page) => Some(stats_output(page, Path::new(""), &input_paths(&models))?),
+        None => None,
+    };
     let mut scene = if models.is_empty() {
         let options = SurfaceOptions {
             patches: a.level.patches(),
@@ -120,16 +142,23 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     job.read_depth_tags(&mut scene, &a.level)?;
     watch::phase(Phase::Measuring);
     let mut distances = Vec::new();
+    let mut curves = Vec::new();
+    let mut factor = None;
+    let mut child_peak = None;
     let outcome = match a.suite {
         Suite::Refine => refine(job, a, &mut scene)?,
         Suite::Frame => frame(job, a, &mut scene, a.level.drawing(), true)?,
         Suite::Patches => bench_patches::patches(job, a, &scene, &mut distances)?,
         Suite::Evaluate => super::bench_evaluate::evaluate(job, a, &mut scene)?,
         Suite::Paper => super::bench_paper::paper(job, a)?,
+        Suite::Calibrate => bench_calibrate::calibrate(job, a, factor.insert(1.0))?,
+        Suite::Cold => bench_cold::cold(job, a, &torus()?, child_peak.insert(0))?,
+        Suite::Scale => bench_scale::scale(job, a, &scene, &mut curves)?,
         Suite::Raster => frame(job, a, &mut scene, Drawing::Cage, false)?,
     };
     let built_in = match a.suite {
         Suite::Paper => "paper",
+        Suite::Calibrate => "none",
         _ => "torus",
     };
     let name = a
@@ -141,7 +170,18 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         let all = distances.iter().map(Found::json).collect();
         members.push(("distances".to_owned(), Json::List(all)));
     }
+    if let Json::Object(members) = &mut report {
+        members.extend(factor.map(bench_calibrate::member));
+        let peak = members.iter_mut().find(|(name, _)| name == "peak_bytes");
+        if let (Some((_, value)), Some(bytes)) = (peak, child_peak) {
+            *value = Json::Whole(bytes);
+        }
+    }
     let mut staged = Vec::new();
+    if let Some(page) = page {
+        let title = format!("earmark bench scale: {name}");
+        staged.push(page.stage(bench_page::page(&title, &curves).as_bytes())?);
+    }
     if let Some(stats) = stats {
         staged.push(stats.stage(format!("{report}\n").as_bytes())?);
     }
@@ -149,6 +189,12 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         print_text(&format!("{report}\n"))?;
     } else {
         print_text(&table(job, a, &outcome))?;
+        if let Some(factor) = factor {
+            print_text(&bench_calibrate::line(factor))?;
+        }
+        if let Some(bytes) = child_peak {
+            print_text(&format!("peak {:.1} MB\n", bytes as f64 / 1e6))?;
+        }
         if !distances.is_empty() {
             print_text(&bench_patches::table(&distances))?;
         }
@@ -381,7 +427,7 @@ fn refine(job: &Job, a: &Arguments, scene: &mut Scene) -> Result<Outcome, Failur
 }
 
 /// Smallest and middle value.
-fn summary(times: &[Time], of: fn(&Time) -> f64) -> [f64; 2] {
+pub(super) fn summary(times: &[Time], of: fn(&Time) -> f64) -> [f64; 2] {
     let mut values: Vec<f64> = times.iter().map(of).collect();
     values.sort_by(f64::total_cmp);
     match values.as_slice() {

@@ -1,9 +1,13 @@
 //! Arguments to verbs, and verbs to exit codes.
 
 mod bench;
+mod bench_calibrate;
+mod bench_cold;
 mod bench_evaluate;
+mod bench_page;
 mod bench_paper;
 mod bench_patches;
+mod bench_scale;
 mod displace;
 mod exit;
 mod flags;

@@ -17,12 +17,23 @@ pub(super) struct Layers([Key; DEPTH]);
 
 impl Cell for Layers {
     #[inline(always)]
-    fn put(&mut self, hit: bool, depth: f32, id: u32, _front: bool) {
-        let mut key = if hit {
-            Key::new(depth, SampleId(id))
+    fn put(&mut self, hit: bool, depth: f32, id: u32, front: bool) {
+        self.put_packed(if hit {
+            Self::pack(depth, id, front)
         } else {
             Key::EMPTY
-        };
+        });
+    }
+
+    type Packed = Key;
+
+    #[inline(always)]
+    fn pack(depth: f32, id: u32, _front: bool) -> Key {
+        Key::new(depth, SampleId(id))
+    }
+
+    #[inline(always)]
+    fn put_packed(&mut self, mut key: Key) {
         for layer in &mut self.0 {
             if key > *layer {
                 std::mem::swap(&mut key, layer);

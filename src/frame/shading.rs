@@ -12,10 +12,10 @@ use super::tile::{Drawn, Scratch};
 use super::visible::Fragment;
 use crate::dispatch;
 use crate::displace::Displacement;
-use crate::raster::{ProjectedBlock, SampleLanes, project, sample_positions};
+use crate::raster::{PairedBlock, ProjectedBlock, SampleLanes, project, sample_positions};
 use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
 use crate::shade::{ShadeMode, SurfacePoint, has_direction};
-use crate::simd::LANES;
+use crate::simd::{LANES, bits, flag};
 
 /// Micro-quads by which samples of a pixel may be apart to be shaded together, as a part of a block's side: an eighth.
 const REACH: usize = 8;
@@ -115,9 +115,11 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
     if plain && frame.shader.mode() == ShadeMode::Lit {
         let albedo = frame.shader.albedo(&template);
         let fragments = s.visible.of_rank(rank);
+        s.paired
+            .fill(frame.simd, &s.projected, &s.attributes.normals);
         let block = LitBlock {
             points: &s.points,
-            projected: &s.projected,
+            paired: &s.paired,
             attributes: &s.attributes,
             origin: s.tile.origin(),
             albedo: [albedo[0], albedo[1], albedo[2]],
@@ -135,7 +137,7 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
 /// A block whose fragments are lit in lanes.
 struct LitBlock<'a> {
     points: &'a Grid3,
-    projected: &'a ProjectedBlock,
+    paired: &'a PairedBlock,
     attributes: &'a Attributes,
     origin: [u32; 2],
     albedo: [f32; 3],
@@ -162,7 +164,7 @@ fn lit_fragments(
         let mut y = [0_i32; LANES];
         for l in 0..LANES {
             let f = lanes[l];
-            ids[l] = f.id;
+            ids[l] = f.id();
             x[l] = (block.origin[0] + f.x()) as i32 * 256;
             y[l] = (block.origin[1] + f.y()) as i32 * 256;
         }
@@ -178,13 +180,14 @@ fn lit_fragments(
                 y[l] += oy;
             }
         }
-        let at = SampleLanes::new(block.projected, &ids, &x, &y);
-        let mut normals = at.interpolate(&block.attributes.normals);
-        let mut bad = 0_u32;
+        let at = SampleLanes::new(block.paired, &ids, &x, &y);
+        let mut normals = at.normals;
+        let mut bad = [0; LANES];
         for l in 0..LANES {
             let n = [normals[0][l], normals[1][l], normals[2][l]];
-            bad |= u32::from(!has_direction(n)) << l;
+            bad[l] = flag(!has_direction(n));
         }
+        let mut bad = bits(&bad);
         while bad != 0 {
             let l = bad.trailing_zeros() as usize & (LANES - 1);
             bad &= bad - 1;
@@ -262,7 +265,7 @@ fn shade_points(
     let list = source.list(s.drawn[rank].item - source.first_item);
     s.surface.clear();
     for f in s.visible.of_rank(rank) {
-        let id = SampleId(f.id);
+        let id = SampleId(f.id());
         let at = [x0 + f.x(), y0 + f.y(), f.sample()];
         let block = (&*s.points, &s.attributes, s.footprint.as_slice());
         s.surface.push(match list {

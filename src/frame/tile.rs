@@ -11,7 +11,7 @@ use super::source::{Attributes, Source, SourceScratch};
 use super::spot::draw;
 use super::stats::{Stage, StageTimes};
 use super::visible::Visible;
-use crate::raster::{Key, PixelBox, ProjectedBlock, Tile, bounds, project};
+use crate::raster::{Key, PairedBlock, PixelBox, ProjectedBlock, Tile, bounds, project};
 use crate::records::{Grid3, SampleId};
 use crate::shade::{ShadeMode, SurfacePoint};
 use crate::simd::Level;
@@ -31,6 +31,7 @@ pub(super) struct Scratch {
     pub(super) attributes: Attributes,
     pub(super) footprint: Vec<f32>,
     pub(super) projected: Box<ProjectedBlock>,
+    pub(super) paired: Box<PairedBlock>,
     /// Made when the first face with an opacity map is met.
     pub(super) layers: Option<Tile<Layers>>,
     pub(super) hull: Vec<[f32; 3]>,
@@ -56,6 +57,7 @@ impl Scratch {
             attributes: Attributes::default(),
             footprint: Vec::new(),
             projected: ProjectedBlock::boxed(),
+            paired: PairedBlock::boxed(),
             layers: None,
             hull: Vec::new(),
             drawn: Vec::new(),

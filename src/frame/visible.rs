@@ -4,36 +4,42 @@ use crate::raster::Tile;
 use crate::records::SampleId;
 
 /// Samples of one pixel that are shaded together: the first of them, and how many there are.
+///
+/// One number, so that sixteen of them are two vectors. From the lowest bit: column in 10 bits, row in 10, sample of the pixel in 4,
+/// count less one in 8; the id in the upper half.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Fragment {
-    /// Column in bits 0 to 9, row in bits 10 to 19, sample of the pixel in bits 20 to 23, count less one above.
-    place: u32,
-    pub(super) id: u32,
-}
+pub(super) struct Fragment(u64);
 
 impl Fragment {
     #[inline(always)]
     fn new(x: u32, y: u32, sample: u32, count: u32, id: u32) -> Self {
-        Self {
-            place: x | y << 10 | sample << 20 | (count - 1) << 24,
-            id,
-        }
+        Self(u64::from(x | y << 10 | sample << 20 | (count - 1) << 24) | u64::from(id) << 32)
+    }
+    /// The id of the first sample.
+    #[inline(always)]
+    pub(super) fn id(self) -> u32 {
+        (self.0 >> 32) as u32
     }
     #[inline(always)]
     pub(super) fn x(self) -> u32 {
-        self.place & 1023
+        self.0 as u32 & 1023
     }
     #[inline(always)]
     pub(super) fn y(self) -> u32 {
-        self.place >> 10 & 1023
+        self.0 as u32 >> 10 & 1023
     }
     #[inline(always)]
     pub(super) fn sample(self) -> u32 {
-        self.place >> 20 & 15
+        self.0 as u32 >> 20 & 15
     }
     #[inline(always)]
     pub(super) fn count(self) -> u32 {
-        (self.place >> 24) + 1
+        (self.0 as u32 >> 24) + 1
+    }
+    /// One sample more.
+    #[inline(always)]
+    fn join(&mut self) {
+        self.0 += 1 << 24;
     }
 }
 
@@ -83,7 +89,7 @@ impl Visible {
         let mut rank = usize::MAX;
         let mut at = 0;
         for &fragment in &self.found[..count] {
-            let own = (fragment.id >> 11) as usize;
+            let own = (fragment.id() >> 11) as usize;
             if own != rank {
                 if rank != usize::MAX {
                     self.starts[rank + 1] = at as u32;
@@ -158,9 +164,9 @@ impl Visible {
                         continue;
                     }
                     let id = !(key.0 as u32);
-                    let joins = |f: &&mut Fragment| near(f.id, id, reach);
+                    let joins = |f: &&mut Fragment| near(f.id(), id, reach);
                     match self.found[begin..count].iter_mut().find(joins) {
-                        Some(fragment) => fragment.place += 1 << 24,
+                        Some(fragment) => fragment.join(),
                         None => {
                             self.found[count] = Fragment::new(x, y, sample, 1, id);
                             self.starts[(id >> 11) as usize + 2] += 1;
@@ -237,8 +243,8 @@ mod tests {
                 for rank in 0..5 {
                     for f in visible.of_rank(rank) {
                         let id = tile.cell(f.x(), f.y(), f.sample()).id();
-                        assert_eq!(id, Some(SampleId(f.id)));
-                        assert_eq!(SampleId(f.id).rank() as usize, rank);
+                        assert_eq!(id, Some(SampleId(f.id())));
+                        assert_eq!(SampleId(f.id()).rank() as usize, rank);
                         left -= i64::from(f.count());
                         joined += i64::from(f.count()) - 1;
                         let [low, high] = visible.spans[f.y() as usize];

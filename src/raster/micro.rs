@@ -9,6 +9,7 @@ use super::edge::{first_pixel, threshold};
 use super::project::ProjectedBlock;
 use super::samples::sample_positions;
 use super::tile::{Cell, Tile};
+use crate::math::positive;
 use crate::records::BLOCK_STRIDE;
 use crate::simd::{LANES, bits, flag};
 use std::hint::select_unpredictable;
@@ -36,6 +37,17 @@ pub(super) struct Chunk {
 
 type Floats = [f32; LANES];
 type Ints = [i32; LANES];
+
+/// The bit of each lane in a mask.
+const LANE_BITS: [u32; LANES] = {
+    let mut bits = [0; LANES];
+    let mut l = 0;
+    while l < LANES {
+        bits[l] = 1 << l;
+        l += 1;
+    }
+    bits
+};
 
 /// Draws the micro-quads of a chunk; returns the lanes that touch the tile and are left to other paths, being too large or folded
 /// along the diagonal (where both halves may cover a sample).
@@ -112,22 +124,27 @@ pub(super) fn chunk<C: Cell>(
         }
         let area0 = ex[0][l] * ey[4][l] - ey[0][l] * ex[4][l];
         let area1 = ex[4][l] * ey[3][l] - ey[4][l] * ex[3][l];
-        inverse0[l] = 1.0 / area0.abs();
-        inverse1[l] = 1.0 / area1.abs();
+        // The selection changes nothing, but keeps the division out of the loop over samples, where the compiler would merge two.
+        inverse0[l] = positive(1.0 / area0.abs());
+        inverse1[l] = positive(1.0 / area1.abs());
         front[l] = i32::from((area0 < 0.0) | (area1 < 0.0));
         folded[l] = flag(((area0 < 0.0) & (area1 > 0.0)) | ((area0 > 0.0) & (area1 < 0.0)));
     }
     let fits = fits & !bits(&folded);
     let left_over = touching & !fits;
-    let mut small: Ints = [0; LANES];
-    for l in 0..LANES {
-        small[l] = (fits >> l & 1) as i32;
-    }
 
     let (za, zb) = (&block.depth[upper], &block.depth[upper1]);
     let (zc, zd) = (&block.depth[lower1], &block.depth[lower]);
     let (tile_right, tile_bottom) = (tile.x0 + tile.width, tile.y0 + tile.height);
     let stride = tile.stride as i32;
+    let mut ids = [0; LANES];
+    let mut across_step = ey;
+    for l in 0..LANES {
+        ids[l] = chunk.id + 2 * l as u32;
+        for e in 0..5 {
+            across_step[e][l] *= 256.0;
+        }
+    }
     for (s, &[ox, oy]) in sample_positions(tile.samples()).iter().enumerate() {
         // Windows, and the edge values at their first samples.
         let mut across: Ints = [0; LANES];
@@ -137,7 +154,7 @@ pub(super) fn chunk<C: Cell>(
         for l in 0..LANES {
             let px = first_pixel(x_low[l], ox).max(tile.x0);
             let py = first_pixel(y_low[l], oy).max(tile.y0);
-            let live = small[l] != 0;
+            let live = fits & LANE_BITS[l] != 0;
             let mut nx = first_pixel(x_high[l], ox).min(tile_right) - px;
             let mut ny = first_pixel(y_high[l], oy).min(tile_bottom) - py;
             let some = live & (nx > 0) & (ny > 0);
@@ -157,8 +174,9 @@ pub(super) fn chunk<C: Cell>(
         }
         let plane_at = tile.plane(s);
         let plane_end = tile.plane(s + 1);
-        let mut batch = Batch::default();
+        let mut batch = Batch::<C>::new();
         'slots: for slot_y in 0..WINDOW {
+            let mut at = row;
             for slot_x in 0..WINDOW {
                 let mut here = [0; LANES];
                 for l in 0..LANES {
@@ -171,38 +189,43 @@ pub(super) fn chunk<C: Cell>(
                     }
                     break;
                 }
-                let step = (slot_x * 256) as f32;
-                let mut depth: Floats = [0.0; LANES];
                 let mut hit = [0; LANES];
-                let mut second = [0; LANES];
+                let mut depth: Floats = [0.0; LANES];
+                let mut id = [0; LANES];
                 for l in 0..LANES {
-                    let ab = row[0][l] - ey[0][l] * step;
-                    let bc = row[1][l] - ey[1][l] * step;
-                    let dc = row[2][l] - ey[2][l] * step;
-                    let ad = row[3][l] - ey[3][l] * step;
-                    let ac = row[4][l] - ey[4][l] * step;
+                    let [ab, bc, dc, ad, ac] = [0, 1, 2, 3, 4].map(|e| at[e][l]);
                     let p_ab = ab >= et[0][l];
                     let p_dc = dc >= et[2][l];
                     let p_ac = ac >= et[4][l];
                     let half0 = (p_ab == (bc >= et[1][l])) & (p_ab != p_ac);
                     let half1 = (p_dc == (ad >= et[3][l])) & (p_dc != p_ac);
                     hit[l] = flag(half0 | half1);
-                    second[l] = flag(!half0);
                     // An `if` here may become a choice of addresses, and a gather.
                     let w0 = select_unpredictable(half0, bc, dc).abs();
                     let w2 = select_unpredictable(half0, ab, ad).abs();
                     let z1 = select_unpredictable(half0, zb[l], zd[l]);
                     let inverse = select_unpredictable(half0, inverse0[l], inverse1[l]);
                     depth[l] = ((w0 * za[l] + ac.abs() * z1) + w2 * zc[l]) * inverse;
+                    id[l] = ids[l] + u32::from(!half0);
                 }
-                batch.depth[batch.len] = depth;
-                batch.offset[batch.len] = slot_y * stride + slot_x;
+                for e in 0..5 {
+                    for l in 0..LANES {
+                        at[e][l] -= across_step[e][l];
+                    }
+                }
+                let cells = &mut batch.cells[batch.len];
+                for l in 0..LANES {
+                    cells[l] = base[l] + (slot_y * stride + slot_x);
+                }
+                let values = &mut batch.values[batch.len];
+                for l in 0..LANES {
+                    values[l] = C::pack(depth[l], id[l], front[l] != 0);
+                }
                 batch.hits |= u64::from(bits(&hit) & here) << (LANES * batch.len);
-                batch.second |= u64::from(bits(&second)) << (LANES * batch.len);
                 batch.len += 1;
                 if batch.len == SLOTS {
                     let plane = &mut tile.cells[plane_at..plane_end];
-                    batch.put(plane, &base, &front, chunk.id);
+                    batch.put(plane);
                 }
             }
             for l in 0..LANES {
@@ -212,7 +235,7 @@ pub(super) fn chunk<C: Cell>(
             }
         }
         let plane = &mut tile.cells[plane_at..plane_end];
-        batch.put(plane, &base, &front, chunk.id);
+        batch.put(plane);
     }
     left_over
 }
@@ -221,31 +244,35 @@ pub(super) fn chunk<C: Cell>(
 const SLOTS: usize = 4;
 
 /// Hits of a few slots. How many there are is hard to foresee for a processor: one loop over those of all slots is wrong about its
-/// end once, where a loop per slot is for each.
-#[derive(Default)]
-struct Batch {
-    depth: [Floats; SLOTS],
-    /// Of the slot's sample from each lane's first, in cells.
-    offset: [i32; SLOTS],
-    /// Lanes of all slots, bit by bit: those that are hit, and those whose hit is in half 1.
+/// end once, where a loop per slot is for each. What the loop needs of a hit was made in lanes.
+struct Batch<C: Cell> {
+    /// Of the plane.
+    cells: [Ints; SLOTS],
+    values: [[C::Packed; LANES]; SLOTS],
+    /// Lanes of all slots, bit by bit: those that are hit.
     hits: u64,
-    second: u64,
     len: usize,
 }
 
-impl Batch {
+impl<C: Cell> Batch<C> {
     #[inline(always)]
-    fn put<C: Cell>(&mut self, plane: &mut [C], base: &Ints, front: &Ints, id: u32) {
-        let depth = self.depth.as_flattened();
+    fn new() -> Self {
+        Self {
+            cells: [[0; LANES]; SLOTS],
+            values: [[C::Packed::default(); LANES]; SLOTS],
+            hits: 0,
+            len: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, plane: &mut [C]) {
+        let (cells, values) = (self.cells.as_flattened(), self.values.as_flattened());
         while self.hits != 0 {
             let k = self.hits.trailing_zeros() as usize & (SLOTS * LANES - 1);
             self.hits &= self.hits - 1;
-            let l = k & (LANES - 1);
-            let at = base[l] + self.offset[k / LANES];
-            let id = id + 2 * l as u32 + (self.second >> k & 1) as u32;
-            plane[at as usize].put(true, depth[k], id, front[l] != 0);
+            plane[cells[k] as usize].put_packed(values[k]);
         }
-        self.second = 0;
         self.len = 0;
     }
 }

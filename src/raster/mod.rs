@@ -12,6 +12,7 @@ mod bin;
 mod clip;
 mod draw;
 mod edge;
+mod lanes;
 mod medium;
 mod micro;
 mod project;
@@ -30,11 +31,12 @@ pub use draw::{
 };
 #[doc(hidden)]
 pub use edge::Fault;
+pub use lanes::{PairedBlock, SampleLanes};
 pub use project::{GUARD_BAND, ProjectedBlock, project};
 pub use samples::sample_positions;
 pub use setup::{PixelBox, bounds};
 pub use tile::{Cell, Coverage, Key, Tile, tile_side};
-pub use weights::{SampleLanes, barycentrics, list_weights, triangle_weights};
+pub use weights::{barycentrics, list_weights, triangle_weights};
 
 /// Pictures are at most this many pixels wide and high, for all of them to lie inside the [`GUARD_BAND`].
 pub const MAX_SCREEN: u32 = (GUARD_BAND / 256 - 1) as u32;

@@ -27,6 +27,12 @@ pub fn tile_side(samples: u32) -> u32 {
 pub trait Cell: Copy + Default {
     /// Takes note of one covered sample, or, where `hit` is false, of none. `front`: the triangle is seen counter-clockwise.
     fn put(&mut self, hit: bool, depth: f32, id: u32, front: bool);
+    /// What a hit does, worked out beforehand.
+    type Packed: Copy + Default;
+    /// For [`Cell::put_packed`].
+    fn pack(depth: f32, id: u32, front: bool) -> Self::Packed;
+    /// [`Cell::put`] of a hit.
+    fn put_packed(&mut self, hit: Self::Packed);
 }
 
 /// Visibility key: the bits of the depth above the complement of the id; 0 where nothing was drawn.
@@ -68,12 +74,19 @@ impl Key {
 
 impl Cell for Key {
     #[inline(always)]
-    fn put(&mut self, hit: bool, depth: f32, id: u32, _front: bool) {
-        let key = if hit {
-            (depth.to_bits() as u64) << 32 | !id as u64
-        } else {
-            0
-        };
+    fn put(&mut self, hit: bool, depth: f32, id: u32, front: bool) {
+        self.put_packed(if hit { Self::pack(depth, id, front) } else { 0 });
+    }
+
+    type Packed = u64;
+
+    #[inline(always)]
+    fn pack(depth: f32, id: u32, _front: bool) -> u64 {
+        u64::from(depth.to_bits()) << 32 | u64::from(!id)
+    }
+
+    #[inline(always)]
+    fn put_packed(&mut self, key: u64) {
         // Both are below 2^63; signed order is the one that vectors of 64 bits have an instruction for. Stored in any case, as
         // conditional stores do not vectorise.
         self.0 = (self.0 as i64).max(key as i64) as u64;
@@ -94,6 +107,19 @@ impl Cell for Coverage {
     fn put(&mut self, hit: bool, _depth: f32, _id: u32, front: bool) {
         self.hits += i32::from(hit);
         self.balance += i32::from(hit & front) - i32::from(hit & !front);
+    }
+
+    /// Whether the front is seen.
+    type Packed = bool;
+
+    #[inline(always)]
+    fn pack(_depth: f32, _id: u32, front: bool) -> bool {
+        front
+    }
+
+    #[inline(always)]
+    fn put_packed(&mut self, front: bool) {
+        self.put(true, 0.0, 0, front);
     }
 }
 

@@ -1,0 +1,90 @@
+//! `earmark bench calibrate`: how fast this machine is beside the one that figures are quoted for, from two fixed pieces of work on one
+//! thread: 10^9 multiplications with as many additions, not fused, and a copy of 256 MB.
+
+use super::bench::{Arguments, Outcome, push};
+use super::exit::Failure;
+use super::job::Job;
+use super::stats::{Clock, Json};
+use earmark::dispatch;
+use earmark::simd::LANES;
+use std::hint::black_box;
+
+/// Milliseconds of both on one core of the machine class that figures are quoted for (AMD Zen 4 at 3.2 to 3.7 GHz).
+const REFERENCE: [f64; 2] = [17.0, 22.0];
+
+/// Multiplications; as many additions follow them.
+const OPERATIONS: u64 = 1_000_000_000;
+
+/// Bytes that are copied.
+const COPIED: usize = 256 << 20;
+
+/// Independent chains: enough to hide how long one operation takes.
+const CHAINS: usize = 12;
+
+#[inline(always)]
+fn multiply_add(start: f32) -> f32 {
+    let mut x = [[0.0_f32; LANES]; CHAINS];
+    for (k, lanes) in x.iter_mut().enumerate() {
+        for (l, v) in lanes.iter_mut().enumerate() {
+            *v = start + (k * LANES + l) as f32;
+        }
+    }
+    let rounds = OPERATIONS / (CHAINS * LANES) as u64;
+    for _ in 0..rounds {
+        for lanes in &mut x {
+            for v in lanes.iter_mut() {
+                *v = *v * 0.999_999 + 0.25;
+            }
+        }
+    }
+    x.as_flattened().iter().sum()
+}
+
+/// Times of both, and how many times the reference's they are: the geometric mean of the two.
+pub(super) fn calibrate(job: &Job, a: &Arguments, factor: &mut f64) -> Result<Outcome, Failure> {
+    let limits = job.limits();
+    limits.memory("the copy", 2 * COPIED as u128)?;
+    let from = vec![1_u8; COPIED];
+    let mut to = vec![0_u8; COPIED];
+    let items = |stage: &str| match stage {
+        "mul_add" => 2 * OPERATIONS,
+        "copy" => COPIED as u64,
+        _ => 1,
+    };
+    let mut rows = Vec::new();
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..a.repeat {
+        limits.check()?;
+        let whole = Clock::now();
+        let clock = Clock::now();
+        black_box(dispatch!(job.simd, multiply_add(black_box(0.5))));
+        let arithmetic = clock.elapsed();
+        let clock = Clock::now();
+        to.copy_from_slice(black_box(&from));
+        black_box(&mut to);
+        let copy = clock.elapsed();
+        push(&mut rows, "total", whole.elapsed(), &items);
+        push(&mut rows, "mul_add", arithmetic, &items);
+        push(&mut rows, "copy", copy, &items);
+        best = [best[0].min(arithmetic.wall), best[1].min(copy.wall)];
+    }
+    *factor = ((best[0] / REFERENCE[0]) * (best[1] / REFERENCE[1])).sqrt();
+    Ok(Outcome {
+        rows,
+        faces: 0,
+        microtriangles: 0,
+        pixels: 0,
+    })
+}
+
+/// The factor as a line, and as a member of the report.
+pub(super) fn line(factor: f64) -> String {
+    format!(
+        "factor {factor:.3}: divide milliseconds by it to compare them with those of other machines\n"
+    )
+}
+
+/// See [`line`].
+pub(super) fn member(factor: f64) -> (String, Json) {
+    ("factor".to_owned(), Json::Number(factor))
+}
