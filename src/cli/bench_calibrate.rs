@@ -18,26 +18,20 @@ const OPERATIONS: u64 = 1_000_000_000;
 /// Bytes that are copied.
 const COPIED: usize = 256 << 20;
 
-/// Independent chains: enough to hide how long one operation takes.
-const CHAINS: usize = 12;
+/// Numbers worked on side by side: enough to hide how long one operation takes.
+const NUMBERS: usize = 8 * LANES;
 
 #[inline(always)]
 fn multiply_add(start: f32) -> f32 {
-    let mut x = [[0.0_f32; LANES]; CHAINS];
-    for (k, lanes) in x.iter_mut().enumerate() {
-        for (l, v) in lanes.iter_mut().enumerate() {
-            *v = start + (k * LANES + l) as f32;
+    let mut x: [f32; NUMBERS] = std::array::from_fn(|k| start + k as f32);
+    for _ in 0..OPERATIONS / NUMBERS as u64 {
+        let mut next = [0.0; NUMBERS];
+        for (n, v) in next.iter_mut().zip(&x) {
+            *n = v * 0.999_999 + 0.25;
         }
+        x = next;
     }
-    let rounds = OPERATIONS / (CHAINS * LANES) as u64;
-    for _ in 0..rounds {
-        for lanes in &mut x {
-            for v in lanes.iter_mut() {
-                *v = *v * 0.999_999 + 0.25;
-            }
-        }
-    }
-    x.as_flattened().iter().sum()
+    x.iter().sum()
 }
 
 /// Times of both, and how many times the reference's they are: the geometric mean of the two.

@@ -143,6 +143,21 @@ struct LitBlock<'a> {
     albedo: [f32; 3],
 }
 
+/// Groups of lanes that go through each step together. A step's result is long in coming, and the next group's step does not wait for
+/// it; one group through all steps would leave the processor with nothing else to do.
+const GROUPS: usize = 8;
+
+/// Fragments between steps, group by group.
+#[derive(Default)]
+struct LitGroups {
+    x: [[i32; LANES]; GROUPS],
+    y: [[i32; LANES]; GROUPS],
+    side: [[f32; LANES]; GROUPS],
+    normals: [[[f32; LANES]; 3]; GROUPS],
+    /// Colour of the surface, then its light.
+    colors: [[[f32; LANES]; 3]; GROUPS],
+}
+
 #[inline(always)]
 fn lit_fragments(
     frame: &Frame<'_>,
@@ -150,74 +165,110 @@ fn lit_fragments(
     fragments: &[Fragment],
     pixels: &mut Pixels,
 ) {
+    let mut groups = LitGroups::default();
+    for chunk in fragments.chunks(GROUPS * LANES) {
+        let (whole, rest) = chunk.as_chunks::<LANES>();
+        // The last group is filled up with its last fragment.
+        let mut last = [rest.last().copied().unwrap_or_default(); LANES];
+        last[..rest.len()].copy_from_slice(rest);
+        let filled = (!rest.is_empty()).then_some(&last);
+        let mut count = 0;
+        for lanes in whole.iter().chain(filled) {
+            place_group(frame, block, lanes, &mut groups, count);
+            count += 1;
+        }
+        for g in 0..count {
+            let colors = groups.colors[g];
+            let (x, y) = (&groups.x[g], &groups.y[g]);
+            groups.colors[g] =
+                (frame.shader).light_lanes(&groups.normals[g], &groups.side[g], x, y, &colors);
+        }
+        for (g, group) in chunk.chunks(LANES).enumerate() {
+            keep_group(frame, group, &groups.colors[g], pixels);
+        }
+    }
+}
+
+/// Where the fragments of a group are on the screen and on the surface.
+#[inline(always)]
+fn place_group(
+    frame: &Frame<'_>,
+    block: &LitBlock<'_>,
+    lanes: &[Fragment; LANES],
+    groups: &mut LitGroups,
+    g: usize,
+) {
     let samples = frame.size.samples;
     let positions = sample_positions(samples);
-    let (groups, rest) = fragments.as_chunks::<LANES>();
-    // The last group is filled up with its last fragment.
-    let mut last = [rest.last().copied().unwrap_or_default(); LANES];
-    last[..rest.len()].copy_from_slice(rest);
-    let filled = std::iter::once((&last, rest.len())).filter(|(_, n)| *n > 0);
-    for (lanes, count) in groups.iter().map(|g| (g, LANES)).chain(filled) {
-        let group = &lanes[..count];
-        let mut ids = [0_u32; LANES];
-        let mut x = [0_i32; LANES];
-        let mut y = [0_i32; LANES];
+    let mut ids = [0_u32; LANES];
+    let mut x = [0_i32; LANES];
+    let mut y = [0_i32; LANES];
+    for l in 0..LANES {
+        let f = lanes[l];
+        ids[l] = f.id();
+        x[l] = (block.origin[0] + f.x()) as i32 * 256;
+        y[l] = (block.origin[1] + f.y()) as i32 * 256;
+    }
+    if samples == 1 {
         for l in 0..LANES {
-            let f = lanes[l];
-            ids[l] = f.id();
-            x[l] = (block.origin[0] + f.x()) as i32 * 256;
-            y[l] = (block.origin[1] + f.y()) as i32 * 256;
+            x[l] += positions[0][0];
+            y[l] += positions[0][1];
         }
-        if samples == 1 {
-            for l in 0..LANES {
-                x[l] += positions[0][0];
-                y[l] += positions[0][1];
-            }
-        } else {
-            for l in 0..LANES {
-                let [ox, oy] = positions[lanes[l].sample() as usize];
-                x[l] += ox;
-                y[l] += oy;
-            }
-        }
-        let at = SampleLanes::new(block.paired, &ids, &x, &y);
-        let mut normals = at.normals;
-        let mut bad = [0; LANES];
+    } else {
         for l in 0..LANES {
-            let n = [normals[0][l], normals[1][l], normals[2][l]];
-            bad[l] = flag(!has_direction(n));
+            let [ox, oy] = positions[lanes[l].sample() as usize];
+            x[l] += ox;
+            y[l] += oy;
         }
-        let mut bad = bits(&bad);
-        while bad != 0 {
-            let l = bad.trailing_zeros() as usize & (LANES - 1);
-            bad &= bad - 1;
-            let to_eye = frame
-                .shader
-                .to_eye(x[l], y[l])
-                .map(|c| c * at.side[l].signum());
-            mend_normal(block.points, ids[l], to_eye, &mut normals, l);
-        }
-        let albedo = albedo_lanes(block, &at);
-        let light = frame
+    }
+    let at = SampleLanes::new(block.paired, &ids, &x, &y);
+    let mut normals = at.normals;
+    let mut bad = [0; LANES];
+    for l in 0..LANES {
+        let n = [normals[0][l], normals[1][l], normals[2][l]];
+        bad[l] = flag(!has_direction(n));
+    }
+    let mut bad = bits(&bad);
+    while bad != 0 {
+        let l = bad.trailing_zeros() as usize & (LANES - 1);
+        bad &= bad - 1;
+        let to_eye = frame
             .shader
-            .light_lanes(&normals, &at.side, &x, &y, &albedo);
-        if samples == 1 {
-            let bytes = frame.film.opaque_lanes(&light);
-            for (f, bytes) in group.iter().zip(bytes) {
-                let k = pixels.index(*f);
-                pixels.bytes[k] = bytes;
-            }
-        } else {
-            for (l, f) in group.iter().enumerate() {
-                let n = f.count() as f32;
-                let k = pixels.index(*f);
-                let sum = &mut pixels.sums[k];
-                for c in 0..3 {
-                    sum[c] += crate::math::saturate(light[c][l]) * n;
-                }
-                sum[3] += n;
-            }
+            .to_eye(x[l], y[l])
+            .map(|c| c * at.side[l].signum());
+        mend_normal(block.points, ids[l], to_eye, &mut normals, l);
+    }
+    groups.x[g] = x;
+    groups.y[g] = y;
+    groups.side[g] = at.side;
+    groups.normals[g] = normals;
+    groups.colors[g] = albedo_lanes(block, &at);
+}
+
+/// Puts the light of a group where its pixels are kept.
+#[inline(always)]
+fn keep_group(
+    frame: &Frame<'_>,
+    group: &[Fragment],
+    light: &[[f32; LANES]; 3],
+    pixels: &mut Pixels,
+) {
+    if frame.size.samples == 1 {
+        let bytes = frame.film.opaque_lanes(light);
+        for (f, bytes) in group.iter().zip(bytes) {
+            let k = pixels.index(*f);
+            pixels.bytes[k] = bytes;
         }
+        return;
+    }
+    for (l, f) in group.iter().enumerate() {
+        let n = f.count() as f32;
+        let k = pixels.index(*f);
+        let sum = &mut pixels.sums[k];
+        for c in 0..3 {
+            sum[c] += crate::math::saturate(light[c][l]) * n;
+        }
+        sum[3] += n;
     }
 }
 
