@@ -94,8 +94,8 @@ impl BlockSize {
 pub struct SampleId(pub u32);
 
 impl SampleId {
-    /// Number of block ranks that fit.
-    pub const MAX_BLOCKS: u32 = 1 << 21;
+    /// Number of block ranks that are given: one less than fits, because the complement of an empty sample looks like the last.
+    pub const MAX_BLOCKS: u32 = (1 << 21) - 1;
 
     /// Packs an id. `rank` must be below [`SampleId::MAX_BLOCKS`], `col` and `row` below 32, `half` 0 or 1.
     #[must_use]

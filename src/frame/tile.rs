@@ -147,7 +147,8 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
             s.reach.push(if listed { 0 } else { shading::reach(size) });
         }
     }
-    s.visible.gather(&s.tile, s.drawn.len(), &s.reach);
+    s.visible
+        .gather(frame.simd, &s.tile, s.drawn.len(), &s.reach);
     s.times.stop(Stage::Shade, clock);
     shading::shade(frame, s);
     let clock = s.times.start();

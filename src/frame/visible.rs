@@ -1,7 +1,9 @@
 //! What of a tile is seen: its samples, sorted by block, with those of a pixel that show one place of a surface taken together.
 
-use crate::raster::Tile;
+use crate::dispatch;
+use crate::raster::{Key, Tile};
 use crate::records::SampleId;
+use crate::simd::{LANES, Level, bits, flag};
 
 /// Samples of one pixel that are shaded together: the first of them, and how many there are.
 ///
@@ -43,12 +45,25 @@ impl Fragment {
     }
 }
 
+/// Neighbours in a row of which all show the block of one rank.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    x: u16,
+    y: u16,
+    len: u16,
+    rank: u32,
+}
+
+/// The rank that an empty sample's key holds. No block has it: ids of the last rank are not given.
+const NO_RANK: u32 = u32::MAX >> 11;
+
 /// The fragments of a tile.
 #[derive(Debug, Default)]
 pub(super) struct Visible {
     found: Vec<Fragment>,
     order: Vec<Fragment>,
     starts: Vec<u32>,
+    runs: Vec<Run>,
     /// Columns of each row that show anything, first and one past the last.
     pub(super) spans: Vec<[u32; 2]>,
     /// Pixels that show anything.
@@ -63,7 +78,7 @@ impl Visible {
 
     /// Collects and sorts what `tile` shows of `ranks` blocks. `reach` of a rank is how many micro-quads apart samples of a pixel may
     /// be, in either direction of the block, to be shaded together; without it every sample is a fragment.
-    pub(super) fn gather(&mut self, tile: &Tile, ranks: usize, reach: &[u8]) {
+    pub(super) fn gather(&mut self, simd: Level, tile: &Tile, ranks: usize, reach: &[u8]) {
         let [width, height] = tile.size();
         let samples = tile.samples();
         self.starts.clear();
@@ -73,18 +88,18 @@ impl Visible {
         self.pixels = 0;
         // Grows once, and is written from the start every time.
         let most = (width * height * samples) as usize;
-        if self.found.len() < most {
-            self.found.resize(most, Fragment::default());
+        if self.order.len() < most {
             self.order.resize(most, Fragment::default());
         }
-        let count = if samples == 1 {
-            self.find_single(tile)
-        } else {
-            self.find(tile, reach)
-        };
-        for r in 2..self.starts.len() {
-            self.starts[r] += self.starts[r - 1];
+        if samples == 1 {
+            dispatch!(simd, self.gather_single(tile));
+            return;
         }
+        if self.found.len() < most {
+            self.found.resize(most, Fragment::default());
+        }
+        let count = self.find(tile, reach);
+        self.add_up();
         // Neighbours are mostly of one block: its place in the order is kept while they are.
         let mut rank = usize::MAX;
         let mut at = 0;
@@ -105,45 +120,80 @@ impl Visible {
         }
     }
 
-    /// One sample per pixel: every one is a fragment.
-    fn find_single(&mut self, tile: &Tile) -> usize {
+    /// Turns the numbers of fragments into where those of a rank begin: `starts[rank + 1]` until they are put there, `starts[rank]`
+    /// afterwards.
+    #[inline(always)]
+    fn add_up(&mut self) {
+        for r in 2..self.starts.len() {
+            self.starts[r] += self.starts[r - 1];
+        }
+    }
+
+    /// One sample per pixel: every one is a fragment. Neighbours are mostly of one block, so runs of them are found first, and then put
+    /// in their place whole.
+    #[inline(always)]
+    fn gather_single(&mut self, tile: &Tile) {
         let [width, height] = tile.size();
-        let mut count = 0;
-        let mut last = usize::MAX;
-        let mut run = 0;
+        self.runs.clear();
         for y in 0..height {
-            let (mut low, mut high) = (width, 0);
-            for (block, keys) in tile.row(y, 0).chunks(16).enumerate() {
-                if keys.iter().fold(0, |all, key| all | key.0) == 0 {
-                    continue;
+            let keys = tile.row(y, 0);
+            let (mut begin, mut rank) = (0, NO_RANK);
+            let (groups, rest) = keys.as_chunks::<LANES>();
+            // The last group is filled up with empty samples.
+            let mut last = [Key::EMPTY; LANES];
+            last[..rest.len()].copy_from_slice(rest);
+            let filled = (!rest.is_empty()).then_some(&last);
+            for (group, x) in groups.iter().chain(filled).zip((0..).step_by(LANES)) {
+                let mut ranks = [0; LANES];
+                for l in 0..LANES {
+                    ranks[l] = !(group[l].0 as u32) >> 11;
                 }
-                let x0 = block as u32 * 16;
-                for (x, key) in (x0..).zip(keys) {
-                    if key.0 == 0 {
-                        continue;
-                    }
-                    low = low.min(x);
-                    high = x + 1;
-                    let id = !(key.0 as u32);
-                    self.found[count] = Fragment::new(x, y, 0, 1, id);
-                    count += 1;
-                    let rank = (id >> 11) as usize;
-                    if rank != last {
-                        if last != usize::MAX {
-                            self.starts[last + 2] += run;
-                        }
-                        (last, run) = (rank, 0);
-                    }
-                    run += 1;
+                let mut turns = [0; LANES];
+                turns[0] = flag(ranks[0] != rank);
+                for l in 1..LANES {
+                    turns[l] = flag(ranks[l] != ranks[l - 1]);
+                }
+                let mut turns = bits(&turns);
+                while turns != 0 {
+                    let l = turns.trailing_zeros();
+                    turns &= turns - 1;
+                    self.end_run([begin, x + l, y], rank);
+                    (begin, rank) = (x + l, ranks[l as usize & (LANES - 1)]);
                 }
             }
-            self.spans[y as usize] = [low, high];
+            self.end_run([begin, width, y], rank);
         }
-        if last != usize::MAX {
-            self.starts[last + 2] += run;
+        self.add_up();
+        for &Run { x, y, len, rank } in &self.runs {
+            let (x, y, len) = (u32::from(x), u32::from(y), usize::from(len));
+            let keys = &tile.row(y, 0)[x as usize..][..len];
+            let start = &mut self.starts[rank as usize + 1];
+            let order = &mut self.order[*start as usize..][..len];
+            *start += len as u32;
+            for (i, (fragment, key)) in (x..).zip(order.iter_mut().zip(keys)) {
+                *fragment = Fragment::new(i, y, 0, 1, !(key.0 as u32));
+            }
         }
-        self.pixels = count as u64;
-        count
+    }
+
+    /// Takes note of a run, unless it shows nothing.
+    #[inline(always)]
+    fn end_run(&mut self, [begin, end, y]: [u32; 3], rank: u32) {
+        if rank == NO_RANK || begin == end {
+            return;
+        }
+        let len = end - begin;
+        self.runs.push(Run {
+            x: begin as u16,
+            y: y as u16,
+            len: len as u16,
+            rank,
+        });
+        self.starts[rank as usize + 2] += len;
+        let [low, high] = &mut self.spans[y as usize];
+        *low = (*low).min(begin);
+        *high = end;
+        self.pixels += u64::from(len);
     }
 
     /// Several samples per pixel: those that are near the first of a fragment join it.
@@ -206,7 +256,6 @@ fn near(a: u32, b: u32, reach: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::Key;
 
     /// A tile with samples of a few blocks, some places empty.
     fn tile(samples: u32) -> Tile {
@@ -233,7 +282,7 @@ mod tests {
             let tile = tile(samples);
             for reach in [&[][..], &[4; 5], &[0; 5]] {
                 let mut visible = Visible::default();
-                visible.gather(&tile, 5, reach);
+                visible.gather(Level::detect(), &tile, 5, reach);
                 let (mut left, mut joined) = (0_i64, 0);
                 for sample in 0..samples {
                     for y in 0..24 {
