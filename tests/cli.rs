@@ -1,5 +1,7 @@
 //! The program as scripts see it: help texts, exit codes, messages, outputs that appear whole or not at all.
 
+#[path = "cli/bench.rs"]
+mod bench;
 #[path = "cli/harness.rs"]
 mod harness;
 
@@ -52,6 +54,7 @@ fn every_flag_says_its_default_or_takes_no_value() {
                 "--format",
                 "--timeout",
                 "--depth-tags",
+                "--page",
             ];
             if takes_value && !optional_file.iter().any(|f| line.contains(f)) {
                 let at = text.find(line).unwrap();
@@ -619,68 +622,6 @@ fn info_says_what_is_there_and_what_was_defaulted() {
 }
 
 #[test]
-fn bench_reports_rows_with_the_total_first() {
-    let stages = [
-        ("refine", &["total", "update", "dice"][..]),
-        (
-            "frame",
-            &[
-                "total", "update", "flatness", "setup", "bin", "dice", "tile", "shade", "film",
-            ],
-        ),
-        (
-            "raster",
-            &[
-                "total", "flatness", "setup", "bin", "dice", "tile", "shade", "film",
-            ],
-        ),
-        (
-            "evaluate",
-            &["total", "single", "prepared", "batch", "grid"],
-        ),
-    ];
-    for (suite, stages) in stages {
-        let out = earmark()
-            .args([
-                "bench", suite, "--json", "--repeat", "2", "-l", "1", "-s", "32x32",
-            ])
-            .arg(asset("torus.obj"))
-            .output()
-            .unwrap();
-        assert_eq!(code(&out), 0, "{}", stderr(&out));
-        let json: serde_json::Value = serde_json::from_str(&stdout(&out)).unwrap();
-        assert_eq!(json["repeat"], 2);
-        let rows = json["rows"].as_array().unwrap();
-        let names: Vec<&str> = rows.iter().map(|r| r["stage"].as_str().unwrap()).collect();
-        assert_eq!(names, stages, "{suite}");
-        for row in rows {
-            for key in ["wall_ms", "cpu_ms"] {
-                let min = row[format!("{key}_min")].as_f64().unwrap();
-                assert!(min <= row[format!("{key}_median")].as_f64().unwrap());
-            }
-            assert!(row["items"].as_u64().unwrap() > 0, "{row}");
-            assert!(row["ns_per_item_min"].is_number());
-        }
-    }
-    // A torus has as many vertices as faces, and edges twice as many, at every level.
-    let out = earmark()
-        .args([
-            "bench",
-            "refine",
-            "--json",
-            "--repeat",
-            "1",
-            "-l",
-            "2",
-            "--normals",
-        ])
-        .output()
-        .unwrap();
-    let json: serde_json::Value = serde_json::from_str(&stdout(&out)).unwrap();
-    assert_eq!(json["rows"][0]["items"], 4096 * 16);
-}
-
-#[test]
 fn refine_writes_meshes_that_can_be_read_again() {
     let folder = Folder::new("refine");
     let out = folder.path("out.obj");
@@ -928,10 +869,4 @@ fn depth_tags_are_read_or_refused() {
         .output()
         .unwrap();
     assert_eq!(code(&lone), 2);
-}
-
-#[test]
-fn the_papers_bring_their_own_models() {
-    let out = run(&["bench", "paper", "cube.obj"]);
-    assert_eq!(code(&out), 2);
 }
