@@ -56,6 +56,7 @@ pub mod limits;
 pub mod load;
 pub mod math;
 pub mod mesh;
+pub mod overlay;
 pub mod patch;
 pub mod raster;
 pub mod records;
