@@ -22,7 +22,7 @@
 //! ```
 //!
 //! Limit points with unit normals in four: see [`Surface`]. Files, materials and textures: [`load`]. The way through the code:
-//! [`architecture`].
+//! [`architecture`]. For users: the [`guide`].
 //!
 //! # Features
 //!
@@ -52,6 +52,7 @@ pub mod evaluate;
 pub mod files;
 pub mod film;
 pub mod frame;
+pub mod guide;
 pub mod limits;
 pub mod load;
 pub mod math;

@@ -440,7 +440,7 @@ pub(crate) struct PictureFlags {
     /// What pixels show
     #[arg(long, value_enum, default_value = "lit")]
     pub(crate) shade: Shade,
-    /// Lines over the picture, hidden ones removed; several with commas between them
+    /// Lines over the picture, hidden ones removed; several with commas between them [default: none]
     #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
     pub(crate) overlay: Vec<Overlay>,
     /// Picture (PNG or JPEG) that colours the surface in place of the materials' maps

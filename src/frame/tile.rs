@@ -115,7 +115,7 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     let rect = frame.grid.rect(tile);
     let size = [rect[2], rect[3]];
     s.pixels.clear(size, frame.film.empty());
-    if !rasterise(frame, tile, s) {
+    if !rasterise(frame, tile, rect, s) {
         return 0;
     }
     let clock = s.times.start();
@@ -138,9 +138,9 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     s.visible.pixels
 }
 
-/// Visibility keys of one tile, in [`Scratch::tile`]; false where nothing touches it.
-pub(super) fn rasterise(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> bool {
-    let rect = frame.grid.rect(tile);
+/// Visibility keys of one tile, in [`Scratch::tile`], over `rect`: the tile's own or a larger one, in which what does not touch the tile is
+/// missing. False where nothing touches it.
+pub(super) fn rasterise(frame: &Frame<'_>, tile: usize, rect: [u32; 4], s: &mut Scratch) -> bool {
     let items = frame.bins.items(tile);
     s.tile
         .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);

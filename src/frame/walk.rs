@@ -9,13 +9,13 @@ use crate::camera::View;
 use crate::limits::LimitError;
 use crate::mesh::NONE;
 use crate::raster::{PixelBox, bounds};
-use crate::records::{BLOCK_POINTS, BLOCK_STRIDE, BlockSize, Grid3};
+use crate::records::{BLOCK_POINTS, BLOCK_STRIDE, BlockSize, Grid3, ScreenSize};
 use crate::surface::Surface;
 use rayon::prelude::*;
 use std::time::Instant;
 
 /// Levels beyond that of edges of five pixels which lines can tell apart; displacement has detail of its own.
-const FINER: [u32; 2] = [1, 3];
+const FINER: [u32; 2] = [0, 2];
 
 /// The uniform level that lines are traced at: finer ones put lines closer than pixels, and move none by a tenth of one.
 pub(super) fn level(surface: &Surface, view: &View, wanted: u32) -> u32 {
@@ -205,16 +205,22 @@ impl Walk<'_> {
 
     /// Pixels that show anything at their centre.
     pub(crate) fn covered(&self) -> u64 {
-        let rows = (0..self.rect()[3]).map(|y| self.scratch.tile.row(y, 0));
-        rows.map(|row| row.iter().filter(|k| k.0 != 0).count() as u64)
+        let [x, y, width, height] = self.rect();
+        let [x0, y0] = self.scratch.tile.origin();
+        let columns = (x - x0) as usize..(x - x0 + width) as usize;
+        let rows = (y - y0..y - y0 + height).map(|y| self.scratch.tile.row(y, 0));
+        rows.map(|row| row[columns.clone()].iter().filter(|k| k.0 != 0).count() as u64)
             .sum()
     }
 
-    /// Whether all of a box is behind what the tile shows, and a pixel around it as well: samples stand a pixel apart.
+    /// Whether all of a box that is in the tile is behind what is drawn there, and a pixel around it as well: samples stand a pixel apart, and
+    /// what is between the last of them and the tile's border is seen by the first beyond alone.
     pub(crate) fn hides(&self, hull: &PixelBox) -> bool {
+        let [x, y, width, height] = self.rect();
+        let (from, to) = ([x, y], [x + width, y + height]);
         let wide = PixelBox {
-            low: hull.low.map(|k| k.saturating_sub(1)),
-            high: hull.high.map(|k| k + 1),
+            low: [0, 1].map(|k| hull.low[k].max(from[k]).saturating_sub(1)),
+            high: [0, 1].map(|k| hull.high[k].min(to[k]) + 1),
             nearest: hull.nearest,
         };
         self.frame.leaves_out && self.scratch.tile.hides(self.frame.simd, &wide)
@@ -267,6 +273,14 @@ impl Walk<'_> {
     }
 }
 
+/// A rectangle and the pixels around it that are in the picture.
+fn apron([x, y, width, height]: [u32; 4], size: ScreenSize) -> [u32; 4] {
+    let (left, top) = (x.saturating_sub(1), y.saturating_sub(1));
+    let right = (x + width + 1).min(size.width);
+    let bottom = (y + height + 1).min(size.height);
+    [left, top, right - left, bottom - top]
+}
+
 impl Renderer {
     /// Rasterises all tiles of a view at one sample per pixel and hands them out, in parallel; results are in the tiles' order.
     pub(crate) fn walk<T: Send>(
@@ -285,7 +299,8 @@ impl Renderer {
                     self.limits.check()?;
                     let mut scratch = self.scratch.take(frame.size.samples, self.simd);
                     scratch.times = StageTimes::default();
-                    tile::rasterise(frame, tile, &mut scratch);
+                    let rect = apron(frame.grid.rect(tile), frame.size);
+                    tile::rasterise(frame, tile, rect, &mut scratch);
                     let mut walk = Walk {
                         frame,
                         tile,

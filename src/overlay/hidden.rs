@@ -9,8 +9,8 @@
 use super::lens::{Spot, area};
 use super::lines::Segment;
 
-/// Side of the squares in which lines are looked up, in pixels.
-const CELL: f64 = 16.0;
+/// Lines per square in which they are looked up: more make triangles look at lines far off, fewer make them look into many squares.
+const PER_CELL: f64 = 6.0;
 
 /// Differences in depth below this, relative, are rounding.
 const EQUAL: f64 = 1e-9;
@@ -49,6 +49,8 @@ struct Point {
 pub(super) struct Visibility {
     origin: [f64; 2],
     size: [f64; 2],
+    /// Side of a square in which lines are looked up, in pixels, and squares across and down.
+    cell: f64,
     cells: [usize; 2],
     lines: Vec<Line>,
     points: Vec<Point>,
@@ -105,11 +107,11 @@ impl Visibility {
         points: impl Iterator<Item = Spot>,
     ) -> Self {
         let [x, y, width, height] = rect.map(f64::from);
-        let cells = [width, height].map(|s| (s / CELL).ceil().max(1.0) as usize);
         let mut out = Self {
             origin: [x, y],
             size: [width, height],
-            cells,
+            cell: 1.0,
+            cells: [1; 2],
             lines: Vec::new(),
             points: points.map(|at| Point { at, hidden: false }).collect(),
             line_cells: Cells::default(),
@@ -118,6 +120,10 @@ impl Visibility {
         for (segment, lift) in lines {
             out.lines.extend(out.clip(segment, lift));
         }
+        let per_line = width * height / out.lines.len().max(1) as f64;
+        out.cell = (per_line * PER_CELL).sqrt().clamp(2.0, 64.0);
+        let cells = [width, height].map(|s| (s / out.cell).ceil().max(1.0) as usize);
+        out.cells = cells;
         let count = cells[0] * cells[1];
         let ranges: Vec<_> = out
             .lines
@@ -172,7 +178,7 @@ impl Visibility {
     /// First and last cell of a box that touches the tile.
     fn cell_range(&self, low: [f64; 2], high: [f64; 2]) -> [[usize; 2]; 2] {
         let cell = |v: f64, k: usize| {
-            let c = ((v - self.origin[k]) / CELL).floor().max(0.0) as usize;
+            let c = ((v - self.origin[k]) / self.cell).floor().max(0.0) as usize;
             c.min(self.cells[k] - 1)
         };
         [

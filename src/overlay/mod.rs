@@ -22,8 +22,8 @@
 //! (`hidden`). What is left is joined to polylines (`chain`), which a picture and an SVG file share. Nothing is stored but lines, tile by
 //! tile; the mesh never is.
 //!
-//! Tessellations whose edges are shorter than two or three pixels are traced at the level where they are: finer lines would be closer than
-//! pixels, and none would move by a tenth of one. Faces that an opacity map cuts out hide lines like whole ones.
+//! Uniform levels at which nearly all edges are shorter than five pixels are traced at the first that is so: lines of finer ones would be closer
+//! than pixels, and none would move by a tenth of one. Faces that an opacity map cuts out hide lines like whole ones.
 
 mod chain;
 mod hidden;
