@@ -177,27 +177,46 @@ pub(super) fn marks(scene: &Scene, layers: Layers, mut found: Vec<Found>) -> Vec
 /// Height of letters in units.
 const LETTERS: f32 = 9.0;
 
+/// Side of the squares that letters take, in pixels.
+const SQUARE: f32 = 4.0;
+
 /// Letters that do not stand in each other's way.
 struct Layout<'a> {
-    boxes: Vec<[f32; 4]>,
+    /// Squares that are taken, row by row.
+    taken: Vec<bool>,
+    cols: usize,
     labels: &'a mut Vec<Label>,
     size: [f32; 2],
 }
 
-impl Layout<'_> {
+impl<'a> Layout<'a> {
+    fn new(size: [f32; 2], labels: &'a mut Vec<Label>) -> Self {
+        let [cols, rows] = size.map(|s| (s / SQUARE) as usize + 1);
+        Self {
+            taken: vec![false; cols * rows],
+            cols,
+            labels,
+            size,
+        }
+    }
+
     fn place(&mut self, at: [f32; 2], height: f32, text: String) {
         let width = text_width(&text, height);
-        let own = [
-            at[0] - 1.0,
-            at[1] - height - 1.0,
-            at[0] + width + 1.0,
-            at[1] + 1.0,
-        ];
-        let fits =
-            own[0] >= 0.0 && own[1] >= 0.0 && own[2] <= self.size[0] && own[3] <= self.size[1];
-        let free = |b: &[f32; 4]| own[0] > b[2] || own[2] < b[0] || own[1] > b[3] || own[3] < b[1];
-        if fits && self.boxes.iter().all(free) {
-            self.boxes.push(own);
+        let (low, high) = (
+            [at[0] - 1.0, at[1] - height - 1.0],
+            [at[0] + width + 1.0, at[1] + 1.0],
+        );
+        let inside = |k: usize| low[k] >= 0.0 && high[k] < self.size[k];
+        if !(inside(0) && inside(1)) {
+            return;
+        }
+        let square = |v: f32| (v / SQUARE) as usize;
+        let rows = square(low[1])..=square(high[1]);
+        let cols = square(low[0])..=square(high[0]);
+        let all = rows.flat_map(|y| cols.clone().map(move |x| [x, y]));
+        let squares: Vec<usize> = all.map(|[x, y]| y * self.cols + x).collect();
+        if squares.iter().all(|&k| !self.taken[k]) {
+            squares.iter().for_each(|&k| self.taken[k] = true);
             self.labels.push(Label { at, height, text });
         }
     }
@@ -214,11 +233,7 @@ pub(super) fn annotate(
     labels: &mut Vec<Label>,
 ) {
     let size = [view.size.width as f32, view.size.height as f32];
-    let mut layout = Layout {
-        boxes: Vec::new(),
-        labels,
-        size,
-    };
+    let mut layout = Layout::new(size, labels);
     let height = LETTERS * unit;
     if layers.contains(Layers::AXES) {
         let (start, tips) = axes(scene);

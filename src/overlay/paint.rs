@@ -8,8 +8,12 @@ use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, PixmapMut, Stroke, Transform,
 };
 
-/// Rows that are drawn at a time, each on its own: independent of the number of threads.
+/// Rows that are drawn at a time, each band on its own: independent of the number of threads.
 const BAND: u32 = 256;
+
+/// Rows that are drawn beyond a band on either side and thrown away: at the border of its picture tiny-skia adds what was clipped there to
+/// the last row.
+const SPARE: u32 = 4;
 
 /// A path in pixels.
 pub(super) type Path = Vec<[f32; 2]>;
@@ -132,15 +136,16 @@ pub(super) fn paint(shapes: &[Shape], image: &mut Image) {
         .par_chunks_mut(line * BAND as usize)
         .enumerate()
         .for_each(|(k, rows)| {
-            let height = (rows.len() / line) as u32;
+            let height = (rows.len() / line) as u32 + 2 * SPARE;
             let Some(mut band) = Pixmap::new(width, height) else {
                 return;
             };
-            let top = k as f32 * BAND as f32;
+            let top = k as f32 * BAND as f32 - SPARE as f32;
             for shape in shapes {
                 draw(shape, &mut band.as_mut(), top);
             }
-            for (to, from) in rows.chunks_exact_mut(4).zip(band.pixels()) {
+            let drawn = &band.pixels()[(SPARE * width) as usize..];
+            for (to, from) in rows.chunks_exact_mut(4).zip(drawn) {
                 if from.alpha() > 0 {
                     let over = [from.red(), from.green(), from.blue(), from.alpha()];
                     lay(to, over);
