@@ -22,7 +22,7 @@
 //! ```
 //!
 //! Limit points with unit normals in four: see [`Surface`]. Files, materials and textures: [`load`]. The way through the code:
-//! [`architecture`].
+//! [`architecture`]. For users: the [`guide`].
 //!
 //! # Features
 //!
@@ -52,10 +52,12 @@ pub mod evaluate;
 pub mod files;
 pub mod film;
 pub mod frame;
+pub mod guide;
 pub mod limits;
 pub mod load;
 pub mod math;
 pub mod mesh;
+pub mod overlay;
 pub mod patch;
 pub mod raster;
 pub mod records;

@@ -1,4 +1,4 @@
-//! Contact sheets: pictures in a grid with a caption below each. The only file that names tiny-skia, which draws the captions.
+//! Contact sheets: pictures in a grid with a caption below each, which tiny-skia draws.
 //!
 //! The letters are strokes of our own on a grid of 4 by 6 steps, so no font has to be found on the machine and a sheet is the same
 //! everywhere. Captions hold printable ASCII; other characters are drawn as question marks.
@@ -174,31 +174,40 @@ pub fn text_width(text: &str, height: f32) -> f32 {
     (steps - SPACING).max(0.0) * height / 6.0
 }
 
-/// Draws a line of text from `at`, the left end of its base line.
-fn draw_text(sheet: &mut PixmapMut<'_>, text: &str, at: [f32; 2], height: f32, ink: [u8; 4]) {
+/// Strokes of a line of text from `at`, the left end of its base line; a dot has its point twice, a little apart.
+pub(crate) fn text_strokes(text: &str, at: [f32; 2], height: f32) -> Vec<Vec<[f32; 2]>> {
     let step = height / 6.0;
-    let mut builder = PathBuilder::new();
+    let mut out = Vec::new();
     let mut x = at[0];
     for c in text.chars() {
         let strokes = glyph(c);
         for stroke in strokes.split(' ').filter(|s| !s.is_empty()) {
-            let mut points = stroke.as_bytes().chunks_exact(2).map(|p| {
+            let points = stroke.as_bytes().chunks_exact(2).map(|p| {
                 let [px, py] = [p[0], p[1]].map(|d| f32::from(d - b'0'));
                 [x + px * step, at[1] + (py - 6.0) * step]
             });
-            let Some([x0, y0]) = points.next() else {
-                continue;
-            };
-            builder.move_to(x0, y0);
-            if stroke.len() == 2 {
-                // A dot: its round caps are all there is to see.
-                builder.line_to(x0 + 0.01 * step, y0);
+            let mut points: Vec<[f32; 2]> = points.collect();
+            if let [[x, y]] = points[..] {
+                // Its round caps are all there is to see.
+                points.push([x + 0.01 * step, y]);
             }
-            for [px, py] in points {
-                builder.line_to(px, py);
-            }
+            out.push(points);
         }
         x += (glyph_width(strokes) + SPACING) * step;
+    }
+    out
+}
+
+/// Draws a line of text from `at`, the left end of its base line.
+fn draw_text(sheet: &mut PixmapMut<'_>, text: &str, at: [f32; 2], height: f32, ink: [u8; 4]) {
+    let mut builder = PathBuilder::new();
+    for stroke in text_strokes(text, at, height) {
+        for (k, &[x, y]) in stroke.iter().enumerate() {
+            match k {
+                0 => builder.move_to(x, y),
+                _ => builder.line_to(x, y),
+            }
+        }
     }
     let Some(path) = builder.finish() else {
         return;

@@ -2,6 +2,8 @@
 
 #[path = "cli/bench.rs"]
 mod bench;
+#[path = "cli/documented.rs"]
+mod documented;
 #[path = "cli/harness.rs"]
 mod harness;
 
@@ -869,4 +871,61 @@ fn depth_tags_are_read_or_refused() {
         .output()
         .unwrap();
     assert_eq!(code(&lone), 2);
+}
+
+#[test]
+fn line_work_is_written_as_pixels_and_as_svg() {
+    let folder = Folder::new("lines");
+    let render = |out: &str, more: &[&str]| {
+        let mut command = earmark();
+        command.args(["render", "-s", "96x64", "-l", "2", "-o"]);
+        command.arg(folder.path(out)).arg(asset("cube.obj"));
+        command.args(more).output().unwrap()
+    };
+    assert_eq!(code(&render("plain.png", &[])), 0);
+    let stats = folder.path("stats.json");
+    let more = ["--overlay", "wireframe,cage,patches,axes", "--stats"];
+    let more = [&more[..], &[stats.to_str().unwrap()]].concat();
+    assert_eq!(code(&render("lines.png", &more)), 0);
+    assert!(kept(&stats).contains("\"overlay_ms\":"));
+    let bytes = |name: &str| fs::read(folder.path(name)).unwrap();
+    assert_ne!(bytes("plain.png"), bytes("lines.png"));
+    let alone = ["--shade", "wireframe", "--background", "ffffff"];
+    for name in ["alone.png", "alone.svg"] {
+        assert_eq!(code(&render(name, &alone)), 0, "{name}");
+    }
+    let text = kept(&folder.path("alone.svg"));
+    assert!(text.starts_with("<svg xmlns") && text.contains("class=\"silhouettes\""));
+    // A shaded picture is no line work, and layers have names.
+    let shaded = render("x.svg", &[]);
+    assert_eq!(code(&shaded), 2);
+    assert!(assert_clean(&shaded).contains("--shade wireframe"));
+    assert_eq!(code(&render("x.png", &["--overlay", "wires"])), 2);
+    assert!(!folder.names().iter().any(|n| n.starts_with("x.")));
+    // Finer than lines can be.
+    let deep = render("deep.png", &["-l", "10", "--shade", "wireframe", "-v"]);
+    assert_eq!(code(&deep), 2, "-l twice");
+    let mut command = earmark();
+    command.args([
+        "render",
+        "-s",
+        "96x64",
+        "-l",
+        "10",
+        "--shade",
+        "wireframe",
+        "-v",
+        "-o",
+    ]);
+    let out = command
+        .arg(folder.path("deep.png"))
+        .arg(asset("cube.obj"))
+        .output()
+        .unwrap();
+    assert_eq!(code(&out), 0);
+    assert!(
+        stderr(&out).contains("lines are those of level"),
+        "{}",
+        stderr(&out)
+    );
 }

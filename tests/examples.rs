@@ -102,3 +102,26 @@ fn animations_and_displacement_write_their_pictures() {
     }
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn gallery_writes_pictures_and_a_page() {
+    let folder = std::env::temp_dir().join(format!("earmark-gallery-{}", std::process::id()));
+    output("gallery", &[folder.to_str().unwrap(), "48"]);
+    let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
+    let pictures: Vec<&str> = page
+        .split("src=\"")
+        .skip(1)
+        .map(|rest| rest.split('"').next().unwrap())
+        .collect();
+    assert!(pictures.len() > 25, "{} pictures", pictures.len());
+    for name in &pictures {
+        let bytes = std::fs::read(folder.join(name)).unwrap();
+        assert!(bytes.starts_with(b"\x89PNG"), "{name}");
+    }
+    let drawings = std::fs::read_dir(&folder).unwrap().filter(|e| {
+        let path = e.as_ref().unwrap().path();
+        path.extension().is_some_and(|e| e == "svg")
+    });
+    assert!(drawings.count() >= 4);
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -442,6 +442,10 @@ fn every_golden_is_read_by_a_test() {
         .collect();
     for entry in std::fs::read_dir(folder()).unwrap() {
         let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        // Those of line work are read by tests/overlay.rs.
+        if name.starts_with("overlay_") {
+            continue;
+        }
         assert!(known.contains(&name), "golden/{name} is read by no test");
     }
 }

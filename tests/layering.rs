@@ -8,6 +8,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("simd", &["dispatch"]),
     ("records", &[]),
+    ("guide", &[]),
     ("limits", &[]),
     ("scheme", &[]),
     ("mesh", &["math", "limits", "scheme", "topology", "refine"]),
@@ -72,6 +73,13 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("film", &["math", "simd", "records"]),
     ("compare", &["math", "film"]),
     ("sheet", &["math", "film"]),
+    (
+        "overlay",
+        &[
+            "math", "records", "limits", "camera", "topology", "mesh", "raster", "film", "sheet",
+            "frame", "Camera", "Renderer", "Scene",
+        ],
+    ),
     ("files", &["mesh", "texture", "film", "limits"]),
     (
         "tessellate",
@@ -122,7 +130,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
 const PACKAGES: &[(&str, &[&str])] = &[
     ("glam", &["math.rs", "camera.rs"]),
     ("tobj", &["mesh/mtl.rs"]),
-    ("tiny_skia", &["sheet.rs", "sheet/"]),
+    ("tiny_skia", &["sheet.rs", "sheet/", "overlay/"]),
     ("image", &["texture.rs", "film/"]),
 ];
 

@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 use earmark::frame::{Drawing, Refinement, Renderer};
 use earmark::mesh::obj::UpAxis as FileUp;
+use earmark::overlay::{self, Layers};
 use earmark::patch::PatchKind;
 use earmark::raster::MAX_SCREEN;
 use earmark::scheme;
@@ -347,6 +348,50 @@ pub(crate) enum Shade {
     Depth,
     /// Levels of refinement by colour
     Level,
+    /// Lines alone, hidden ones removed: tessellation, silhouettes, creases, boundaries; to .png or .svg
+    Wireframe,
+}
+
+/// A layer of `--overlay`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Overlay {
+    /// Edges of the tessellation
+    Wireframe,
+    /// Edges of the control cage, hidden by the surface
+    Cage,
+    /// Limit curves of the cage's edges, where patches meet
+    Patches,
+    /// Axes of the model, from its origin
+    Axes,
+    /// Edges with a sharpness
+    Creases,
+    /// Edges of one face
+    Boundaries,
+    /// Where the surface turns away from the eye
+    Silhouettes,
+    /// Extraordinary vertices with their valence
+    Valences,
+    /// Numbers of the cage's vertices, from 0 as in tags
+    Labels,
+    /// Scale bar, at the distance of the model's middle
+    Scale,
+}
+
+impl Overlay {
+    fn layer(self) -> Layers {
+        match self {
+            Self::Wireframe => Layers::WIREFRAME,
+            Self::Cage => Layers::CAGE,
+            Self::Patches => Layers::PATCHES,
+            Self::Axes => Layers::AXES,
+            Self::Creases => Layers::CREASES,
+            Self::Boundaries => Layers::BOUNDARIES,
+            Self::Silhouettes => Layers::SILHOUETTES,
+            Self::Valences => Layers::VALENCES,
+            Self::Labels => Layers::LABELS,
+            Self::Scale => Layers::SCALE,
+        }
+    }
 }
 
 /// Camera and picture.
@@ -395,6 +440,9 @@ pub(crate) struct PictureFlags {
     /// What pixels show
     #[arg(long, value_enum, default_value = "lit")]
     pub(crate) shade: Shade,
+    /// Lines over the picture, hidden ones removed; several with commas between them [default: none]
+    #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
+    pub(crate) overlay: Vec<Overlay>,
     /// Picture (PNG or JPEG) that colours the surface in place of the materials' maps
     #[arg(long, value_name = "IMAGE")]
     pub(crate) color_map: Option<PathBuf>,
@@ -427,6 +475,17 @@ impl PictureFlags {
             Shade::Uv => ShadeMode::Uv,
             Shade::Depth => ShadeMode::Depth,
             Shade::Level => ShadeMode::Level,
+            // No pixel of the surface itself is seen.
+            Shade::Wireframe => ShadeMode::Flat,
+        }
+    }
+    /// Line work over the picture, or in its place.
+    pub(crate) fn line_work(&self) -> Option<overlay::Options> {
+        let layers = self.overlay.iter().map(|o| o.layer());
+        let layers = layers.fold(Layers::NONE, |all, layer| all | layer);
+        match self.shade {
+            Shade::Wireframe => Some(overlay::Options::illustration(layers)),
+            _ => (!layers.is_empty()).then(|| overlay::Options::overlay(layers)),
         }
     }
     /// A renderer without limits.

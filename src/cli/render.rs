@@ -9,12 +9,13 @@ use super::stats::{Clock, Json, frame_stages};
 use super::watch::{self, Phase};
 use clap::Args;
 use earmark::camera::Sphere;
-use earmark::frame::{Drawing, Finished};
+use earmark::film::Image;
+use earmark::frame::{Drawing, FrameStats, Refinement};
 use earmark::limits::Limits;
 use earmark::records::ScreenSize;
 use earmark::shade::{Relief, SurfaceMaterial};
 use earmark::texture::{Meaning, Texture};
-use earmark::{Camera, Scene, files, film};
+use earmark::{Camera, Scene, files, film, overlay};
 use std::path::{Path, PathBuf};
 
 /// Largest file of a picture given by `--color-map`, and most bytes it may take decoded.
@@ -25,7 +26,7 @@ pub(crate) struct Arguments {
     /// Models (OBJ), drawn together; - is standard input
     #[arg(required = true, value_name = "MODEL")]
     pub(crate) models: Vec<PathBuf>,
-    /// Picture to write (.png); - is standard output
+    /// Picture to write (.png; .svg for --shade wireframe); - is standard output, a PNG
     #[arg(short, long, value_name = "OUT.png")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -65,12 +66,24 @@ fn outputs(a: &Arguments) -> Result<(Output, Option<Output>), Failure> {
     inputs.extend(a.displace.displace.as_deref());
     inputs.extend(a.level.pn_tags.as_deref());
     inputs.extend(a.level.tag_file());
-    let picture = Output::checked(&a.output, &["png"], &inputs)?;
+    let picture = Output::checked(&a.output, &["png", "svg"], &inputs)?;
+    if is_svg(&a.output) && a.picture.shade != Shade::Wireframe {
+        return Err(Failure::usage(format!(
+            "{}: an SVG holds lines alone; draw it with --shade wireframe",
+            a.output.display()
+        )));
+    }
     let Some(stats) = &a.running.stats else {
         return Ok((picture, None));
     };
     let stats = stats_output(stats, &a.output, &inputs)?;
     Ok((picture, Some(stats)))
+}
+
+/// Whether a path ends as line work does.
+fn is_svg(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
 }
 
 /// Where statistics go, which is nowhere else.
@@ -185,8 +198,15 @@ fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
+/// What a run draws.
+struct Drawn {
+    image: Image,
+    stats: FrameStats,
+    lines: Option<overlay::LineArt>,
+}
+
 /// Draws the models of the arguments, with all warnings said.
-fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
+fn draw(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
     let scene = scene(job, a)?;
     let has_uvs = scene.objects.iter().any(|o| o.surface.has_uvs());
     let maps = a.picture.color_map.is_some() || a.picture.normal_map.is_some();
@@ -202,19 +222,55 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
     if let Some(first) = scene.objects.first() {
         camera = camera.relative_to(first.surface.cage().origin());
     }
-    let clock = Clock::now();
-    let frame = renderer.render(&scene, &camera)?;
-    let stages = frame_stages(&frame.stats, clock.elapsed().cpu);
-    job.stages.0.extend(stages.0);
-    if frame.view.up_replaced {
+    let view = renderer.view(&scene, &camera)?;
+    if view.up_replaced {
         warning("--up is parallel to the direction of view; another direction points up");
     }
-    if frame.stats.pixels_covered == 0 {
+    let clock = Clock::now();
+    let mut drawn = match a.picture.shade {
+        Shade::Wireframe => Drawn {
+            image: Image::filled(a.picture.size, renderer.background),
+            stats: FrameStats::default(),
+            lines: None,
+        },
+        _ => {
+            let frame = renderer.render_view(&scene, &view)?;
+            let stages = frame_stages(&frame.stats, clock.elapsed().cpu);
+            job.stages.0.extend(stages.0);
+            Drawn {
+                image: frame.image,
+                stats: frame.stats,
+                lines: None,
+            }
+        }
+    };
+    if let Some(options) = a.picture.line_work() {
+        renderer.limits = job.limits();
+        job.time("overlay", |_| {
+            let art = overlay::trace(&renderer, &scene, &view, &options)?;
+            if a.picture.shade == Shade::Wireframe {
+                drawn.stats = art.stats.clone();
+            }
+            if let Refinement::Uniform(level) = renderer.refinement
+                && let Some(traced) = art.stats.levels.iter().find(|&&l| l < level)
+            {
+                note(&format!(
+                    "edges of level {level} are closer than lines can be; lines are those of level {traced}"
+                ));
+            }
+            if !is_svg(&a.output) {
+                art.draw(&mut drawn.image);
+            }
+            drawn.lines = Some(art);
+            Ok::<(), Failure>(())
+        })?;
+    }
+    if drawn.stats.pixels_covered == 0 {
         warning(
             "no pixel is covered: the model is outside of the view, smaller than a pixel, or has no faces to draw",
         );
     }
-    Ok(frame)
+    Ok(drawn)
 }
 
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
@@ -230,8 +286,12 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let frame = draw(job, a)?;
     watch::phase(Phase::Writing);
     job.limits().check()?;
-    let mut staged = vec![job.time("write", |_| {
-        picture.stage(&film::png::encode(&frame.image)?)
+    let mut staged = vec![job.time("write", |_| match &frame.lines {
+        Some(art) if is_svg(&a.output) => {
+            let document = art.to_svg(a.picture.background);
+            picture.stage(document.as_bytes())
+        }
+        _ => picture.stage(&film::png::encode(&frame.image)?),
     })?];
     note(&format!(
         "{} micro-triangles, levels {:?}, {} pixels covered, {:.0} ms",

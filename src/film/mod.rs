@@ -63,6 +63,16 @@ impl Image {
         }
     }
 
+    /// A picture of one colour, pixels across and down; sRGB with straight alpha.
+    #[must_use]
+    pub fn filled([width, height]: [u32; 2], color: [u8; 4]) -> Self {
+        Self {
+            width,
+            height,
+            data: color.repeat(width as usize * height as usize),
+        }
+    }
+
     /// The pixel in column `x` and row `y`.
     ///
     /// # Panics

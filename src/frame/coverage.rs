@@ -2,7 +2,7 @@
 //! number. Tests hold the whole way from dicing to coverage against this, on the very blocks and bins that pictures are made of.
 
 use super::source::SourceScratch;
-use super::{Frame, RenderError, Renderer, Scene};
+use super::{Frame, RenderError, Renderer, Scene, Use};
 use crate::camera::View;
 use crate::raster::{
     Coverage, Fault, Path, ProjectedBlock, Tile, draw_block_with, draw_list_with, project,
@@ -44,7 +44,7 @@ impl Renderer {
         view: &View,
         fault: CoverageFault,
     ) -> Result<SignedCoverage, RenderError> {
-        self.with_frame(scene, view, |frame, _| {
+        self.with_frame(scene, view, Use::Picture, |frame, _| {
             let tiles: Vec<SignedCoverage> = (0..frame.grid.len())
                 .into_par_iter()
                 .map(|t| tile_coverage(frame, t, fault))

@@ -2,7 +2,7 @@
 //! benchmarks hold adaptive tessellation against this, on the very blocks that pictures are made of.
 
 use super::source::{Attributes, Source, SourceScratch};
-use super::{Frame, RenderError, Renderer, Scene};
+use super::{Frame, RenderError, Renderer, Scene, Use};
 use crate::camera::View;
 use crate::evaluate::Sample;
 use crate::math;
@@ -75,7 +75,7 @@ impl Renderer {
             | super::Refinement::Default { max_level } => max_level,
             _ => u32::MAX,
         };
-        self.with_frame(scene, view, |frame, _| {
+        self.with_frame(scene, view, Use::Picture, |frame, _| {
             let items: u32 = frame.sources.iter().map(Source::item_count).sum();
             let all = (0..items).into_par_iter().map_init(
                 || Worker {
@@ -125,7 +125,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render_view`].
     pub fn drawn_blocks(&self, scene: &Scene, view: &View) -> Result<Vec<DrawnBlock>, RenderError> {
-        self.with_frame(scene, view, |frame, _| {
+        self.with_frame(scene, view, Use::Picture, |frame, _| {
             let (mut scratch, mut grid) = (SourceScratch::new(frame.simd), Grid3::boxed());
             let mut out = Vec::new();
             for (object, source) in frame.sources.iter().enumerate() {

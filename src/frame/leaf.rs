@@ -86,7 +86,7 @@ fn apply(
 }
 
 /// The points of a leaf that is no grid at all.
-fn scattered<'a>(tessellation: &'a Tessellation, leaf: &Leaf) -> Option<&'a List> {
+pub(super) fn scattered<'a>(tessellation: &'a Tessellation, leaf: &Leaf) -> Option<&'a List> {
     tessellation.list(leaf).filter(|l| !l.points.is_empty())
 }
 

@@ -21,6 +21,7 @@ mod spot;
 mod stats;
 mod tile;
 mod visible;
+mod walk;
 
 use crate::camera::{Camera, CameraError, Sphere, View};
 use crate::film::{Film, Image};
@@ -40,6 +41,7 @@ use std::time::{Duration, Instant};
 pub use scene::{Object, Scene};
 pub use source::Drawing;
 pub use stats::{FrameStats, Stage, StageTimes};
+pub(crate) use walk::{Block, Walk};
 
 use source::Source;
 use tile::Scratch;
@@ -136,9 +138,11 @@ impl std::fmt::Debug for ScratchPool {
 
 impl ScratchPool {
     fn take(&self, samples: u32, simd: SimdLevel) -> Scratch {
-        let kept = self.0.lock().ok().and_then(|mut pool| pool.pop());
-        kept.filter(|s| s.fits(samples, simd))
-            .unwrap_or_else(|| Scratch::new(samples, simd))
+        let kept = self.0.lock().ok().and_then(|mut pool| {
+            let k = pool.iter().rposition(|s| s.fits(samples, simd))?;
+            Some(pool.swap_remove(k))
+        });
+        kept.unwrap_or_else(|| Scratch::new(samples, simd))
     }
     fn give_back(&self, mut scratch: Scratch) {
         scratch.forget_scene();
@@ -187,6 +191,14 @@ pub enum RenderError {
         /// The level asked for.
         level: u32,
     },
+}
+
+/// What a frame is set up for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Use {
+    Picture,
+    /// Line work: one sample per pixel, and no level whose edges no line could tell apart.
+    Lines,
 }
 
 /// One picture being drawn: what all tiles read.
@@ -275,6 +287,15 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn render(&self, scene: &Scene, camera: &Camera) -> Result<Finished, RenderError> {
+        let view = self.view(scene, camera)?;
+        self.render_view(scene, &view)
+    }
+
+    /// The view of `scene` that `camera` comes to.
+    ///
+    /// # Errors
+    /// [`RenderError`] for sizes and cameras that give no picture.
+    pub fn view(&self, scene: &Scene, camera: &Camera) -> Result<View, RenderError> {
         self.check_size()?;
         let sphere = match self.drawing {
             Drawing::Cage => Sphere::of_points(scene.objects.iter().flat_map(|o| {
@@ -285,8 +306,7 @@ impl Renderer {
             })),
             _ => scene.bounding_sphere(),
         };
-        let view = camera.framing(&sphere, self.size)?;
-        self.render_view(scene, &view)
+        Ok(camera.framing(&sphere, self.size)?)
     }
 
     /// Draws `scene` through a view that is already resolved, for instance that of the frame before.
@@ -294,7 +314,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn render_view(&self, scene: &Scene, view: &View) -> Result<Finished, RenderError> {
-        self.with_frame(scene, view, |frame, mut stats| {
+        self.with_frame(scene, view, Use::Picture, |frame, mut stats| {
             let begin = Instant::now();
             let image = self.tiles(frame, &mut stats)?;
             stats.wall[2] = begin.elapsed();
@@ -311,10 +331,18 @@ impl Renderer {
         &self,
         scene: &Scene,
         view: &View,
+        purpose: Use,
         draw: impl FnOnce(&Frame<'_>, FrameStats) -> Result<T, LimitError>,
     ) -> Result<T, RenderError> {
         self.check_size()?;
         let mut levels = self.levels(scene, view)?;
+        let mut size = self.size;
+        if purpose == Use::Lines {
+            size.samples = 1;
+            for (object, level) in scene.objects.iter().zip(&mut levels) {
+                *level = walk::level(&object.surface, view, *level);
+            }
+        }
         let begin = Instant::now();
         let mut budget = Budget::new(&self.limits);
         let decided_by = self.decided_by.as_ref().unwrap_or(view);
@@ -352,8 +380,8 @@ impl Renderer {
         }
         let mut frame = Frame {
             view: *view,
-            size: self.size,
-            grid: TileGrid::new(self.size, tile_side(self.size.samples)),
+            size,
+            grid: TileGrid::new(size, tile_side(size.samples)),
             bins: Bins::default(),
             boxes: Vec::new(),
             sources,
@@ -382,7 +410,7 @@ impl Renderer {
         stats.wall[0] = begin.elapsed();
         self.limits.memory(
             "the bins of the tiles",
-            bin_bytes(&boxes, &frame.grid, tile_side(self.size.samples)),
+            bin_bytes(&boxes, &frame.grid, tile_side(size.samples)),
         )?;
         let begin = Instant::now();
         frame.bins = Bins::new(&frame.grid, &boxes);
@@ -514,7 +542,7 @@ impl Renderer {
             .enumerate()
             .try_for_each(|(k, chunk)| {
                 self.limits.check()?;
-                let mut scratch = self.scratch.take(self.size.samples, self.simd);
+                let mut scratch = self.scratch.take(frame.size.samples, self.simd);
                 let Scratch { source, hull, .. } = &mut scratch;
                 for (i, out) in chunk.iter_mut().enumerate() {
                     let item = (k * CHUNK + i) as u32;

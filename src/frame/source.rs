@@ -45,12 +45,12 @@ pub(super) struct Source<'a> {
     pub(super) first_face: u32,
     /// Level of the cage.
     pub(super) level: u32,
-    drawing: Drawing,
+    pub(super) drawing: Drawing,
     refined: Option<RefinedFans>,
     /// Whether normals are tilted pixel by pixel.
     pub(super) wants_tangents: bool,
     /// Items are its leaves, not quads.
-    tessellation: Option<Tessellation>,
+    pub(super) tessellation: Option<Tessellation>,
 }
 
 /// Buffers of one thread.
@@ -197,7 +197,7 @@ impl<'a> Source<'a> {
     }
 
     /// Level 0 of a cage with n-gons: its polygons with limit points at the corners.
-    fn is_polygonal(&self) -> bool {
+    pub(super) fn is_polygonal(&self) -> bool {
         self.tessellation.is_none()
             && self.level == 0
             && self.object.surface.is_split()
@@ -205,7 +205,7 @@ impl<'a> Source<'a> {
     }
 
     /// Level of the quads.
-    fn quad_level(&self) -> u32 {
+    pub(super) fn quad_level(&self) -> u32 {
         self.level
             .saturating_sub(u32::from(self.object.surface.is_split()))
     }

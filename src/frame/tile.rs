@@ -84,7 +84,7 @@ impl Scratch {
 }
 
 /// Whether a box touches a rectangle of pixels.
-fn touches(b: &PixelBox, [x, y, width, height]: [u32; 4]) -> bool {
+pub(super) fn touches(b: &PixelBox, [x, y, width, height]: [u32; 4]) -> bool {
     b.low[0] < x + width && b.high[0] > x && b.low[1] < y + height && b.high[1] > y
 }
 
@@ -117,24 +117,8 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     let rect = frame.grid.rect(tile);
     let size = [rect[2], rect[3]];
     s.pixels.clear(size, frame.film.empty());
-    let items = frame.bins.items(tile);
-    if items.is_empty() {
+    if !rasterise(frame, tile, rect, s) {
         return 0;
-    }
-    s.tile
-        .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);
-    s.drawn.clear();
-    s.attributes.wants_uvs = frame.wants_uvs;
-    s.source.measure(s.times.on);
-    if queue(frame, items, s) {
-        for k in 0..s.queue.len() {
-            let Queued { item, rank, .. } = s.queue[k];
-            draw_item(frame, item, rect, Some(rank), s);
-        }
-    } else {
-        for &item in items {
-            draw_item(frame, item, rect, None, s);
-        }
     }
     let clock = s.times.start();
     s.reach.clear();
@@ -155,6 +139,31 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     shading::resolve(frame, s);
     s.times.stop(Stage::Film, clock);
     s.visible.pixels
+}
+
+/// Visibility keys of one tile, in [`Scratch::tile`], over `rect`: the tile's own or a larger one, in which what does not touch the tile is
+/// missing. False where nothing touches it.
+pub(super) fn rasterise(frame: &Frame<'_>, tile: usize, rect: [u32; 4], s: &mut Scratch) -> bool {
+    let items = frame.bins.items(tile);
+    s.tile
+        .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);
+    s.drawn.clear();
+    if items.is_empty() {
+        return false;
+    }
+    s.attributes.wants_uvs = frame.wants_uvs;
+    s.source.measure(s.times.on);
+    if queue(frame, items, s) {
+        for k in 0..s.queue.len() {
+            let Queued { item, rank, .. } = s.queue[k];
+            draw_item(frame, item, rect, Some(rank), s);
+        }
+    } else {
+        for &item in items {
+            draw_item(frame, item, rect, None, s);
+        }
+    }
+    true
 }
 
 /// Gives every block of the tile its rank, in (face, block) order, and queues the items nearest first, so that what lies behind is
