@@ -71,6 +71,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("film", &["math", "simd", "records"]),
     ("compare", &["math", "film"]),
+    (
+        "golden",
+        &["compare", "film", "files", "limits", "assert_image"],
+    ),
     ("sheet", &["math", "film"]),
     ("files", &["mesh", "texture", "film", "limits"]),
     (

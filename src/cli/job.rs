@@ -440,6 +440,10 @@ impl Output {
 pub(crate) struct Staged(Option<AtomicFile>);
 
 impl Staged {
+    /// An output that is complete and on disk.
+    pub(crate) fn of(file: AtomicFile) -> Self {
+        Self(Some(file))
+    }
     pub(crate) fn commit(self) -> Result<(), Failure> {
         match self.0 {
             Some(file) => Ok(file.commit()?),
@@ -455,6 +459,11 @@ pub(crate) fn commit_all(outputs: Vec<Staged>) -> Result<(), Failure> {
         output.commit()?;
     }
     Ok(())
+}
+
+/// An output that cannot be written to its end.
+pub(crate) fn write_failure(e: &io::Error) -> Failure {
+    Failure::new(Code::Io, format!("earmark: {}", error_text(e)))
 }
 
 /// A system error without numbers.

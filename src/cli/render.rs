@@ -1,15 +1,18 @@
 //! `earmark render`.
 
+use super::aov::{self, AovFlag};
 use super::displace::DisplaceFlags;
 use super::exit::Failure;
 use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
 use super::job::{Job, Output, commit_all, model_names};
 use super::messages::{note, warning};
 use super::stats::{Clock, Json, frame_stages};
+use super::views::{self, ViewName};
 use super::watch::{self, Phase};
 use clap::Args;
-use earmark::camera::Sphere;
-use earmark::frame::{Drawing, Finished};
+use earmark::camera::{Sphere, View};
+use earmark::film::Image;
+use earmark::frame::{Aov, Drawing, Finished, FrameStats, Plane, Renderer};
 use earmark::limits::Limits;
 use earmark::records::ScreenSize;
 use earmark::shade::{Relief, SurfaceMaterial};
@@ -36,6 +39,23 @@ pub(crate) struct Arguments {
     pub(crate) displace: DisplaceFlags,
     #[command(flatten)]
     pub(crate) picture: PictureFlags,
+    /// Write a further picture (.png) of the same frame; may be repeated. `depth`: grey of 16 bits, linear along the view axis from near, 0,
+    /// to far, 65534, and 65535 for nothing. `normal`: as --shade normals. `position`, `uv`: RGB of 16 bits over a range. `albedo`: colour
+    /// without light. `face`: number of the cage's face plus 1 in 24 bits. `level`: level plus 1. `coverage`: share of the samples in
+    /// 255ths. All but coverage show the sample nearest to the pixel's centre, never an average; near, far and ranges are in text chunks of
+    /// the file [default: none]
+    #[arg(long, value_name = "NAME=PATH", value_parser = aov::parse, help_heading = "Picture")]
+    pub(crate) aov: Vec<AovFlag>,
+    /// Views in one picture with captions, each of --size, with commas between them; several models are framed one by one, a row each
+    /// [default: one view, all models together]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "VIEW,…",
+        value_delimiter = ',',
+        help_heading = "Picture"
+    )]
+    pub(crate) views: Vec<ViewName>,
     #[command(flatten)]
     pub(crate) running: RunningFlags,
 }
@@ -57,20 +77,39 @@ pub(crate) fn check_models(models: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where the picture and the statistics go.
-fn outputs(a: &Arguments) -> Result<(Output, Option<Output>), Failure> {
+/// Everything that is read.
+pub(crate) fn inputs(a: &Arguments) -> Vec<&Path> {
     let mut inputs = input_paths(&a.models);
     inputs.extend(a.picture.color_map.as_deref());
     inputs.extend(a.picture.normal_map.as_deref());
     inputs.extend(a.displace.displace.as_deref());
     inputs.extend(a.level.pn_tags.as_deref());
     inputs.extend(a.level.tag_file());
+    inputs
+}
+
+/// Where the picture, what is beside it, and the statistics go.
+struct Outputs {
+    picture: Output,
+    aovs: Vec<Output>,
+    stats: Option<Output>,
+}
+
+fn outputs(a: &Arguments) -> Result<Outputs, Failure> {
+    let inputs = inputs(a);
     let picture = Output::checked(&a.output, &["png"], &inputs)?;
-    let Some(stats) = &a.running.stats else {
-        return Ok((picture, None));
+    let mut others = vec![a.output.as_path()];
+    others.extend(a.running.stats.as_deref());
+    let aovs = aov::outputs(&a.aov, &inputs, &others)?;
+    let stats = match &a.running.stats {
+        Some(stats) => Some(stats_output(stats, &a.output, &inputs)?),
+        None => None,
     };
-    let stats = stats_output(stats, &a.output, &inputs)?;
-    Ok((picture, Some(stats)))
+    Ok(Outputs {
+        picture,
+        aovs,
+        stats,
+    })
 }
 
 /// Where statistics go, which is nowhere else.
@@ -171,9 +210,9 @@ fn apply_color_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Fail
     Ok(())
 }
 
-/// The models of the arguments, coloured.
-fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
-    let mut scene = job.load(&a.models, &a.model, &a.level)?;
+/// Models, coloured and displaced as the arguments say.
+pub(crate) fn scene(job: &mut Job, a: &Arguments, models: &[PathBuf]) -> Result<Scene, Failure> {
+    let mut scene = job.load(models, &a.model, &a.level)?;
     job.read_depth_tags(&mut scene, &a.level)?;
     if let Some(path) = &a.picture.color_map {
         job.time("read", |job| apply_color_map(job, &mut scene, path))?;
@@ -182,70 +221,136 @@ fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
         job.time("read", |job| apply_normal_map(job, &mut scene, path))?;
     }
     job.time("read", |job| a.displace.apply(job, &mut scene))?;
+    let has_uvs = scene.objects.iter().any(|o| o.surface.has_uvs());
+    let maps = a.picture.color_map.is_some() || a.picture.normal_map.is_some();
+    let outputs = a.aov.iter().any(|f| f.aov == Aov::Uv);
+    if !has_uvs && (maps || outputs || a.picture.shade == Shade::Uv) {
+        warning("no model has texture coordinates");
+    }
     Ok(scene)
 }
 
-/// Draws the models of the arguments, with all warnings said.
-fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
-    let scene = scene(job, a)?;
-    let has_uvs = scene.objects.iter().any(|o| o.surface.has_uvs());
-    let maps = a.picture.color_map.is_some() || a.picture.normal_map.is_some();
-    if !has_uvs && (maps || a.picture.shade == Shade::Uv) {
-        warning("no model has texture coordinates");
-    }
-    watch::phase(Phase::Rendering);
+/// A renderer within the limits of now.
+pub(crate) fn renderer(job: &Job, a: &Arguments) -> Renderer {
     let mut renderer = a.picture.renderer(&a.level);
     renderer.simd = job.simd;
+    renderer.aovs = a.aov.iter().map(|f| f.aov).collect();
     renderer.measure = job.running.stats.is_some() || super::messages::is_verbose();
     renderer.limits = job.limits();
-    let mut camera = a.picture.camera();
-    if let Some(first) = scene.objects.first() {
-        camera = camera.relative_to(first.surface.cage().origin());
-    }
+    renderer
+}
+
+/// The camera of the arguments in the coordinates of a scene.
+pub(crate) fn camera(a: &Arguments, scene: &Scene) -> Camera {
+    a.picture.camera().relative_to(origin(scene))
+}
+
+/// Where the origin of a scene's coordinates is in its files.
+fn origin(scene: &Scene) -> [f64; 3] {
+    let first = scene.objects.first();
+    first.map_or([0.0; 3], |o| o.surface.cage().origin())
+}
+
+/// Draws a frame.
+pub(crate) fn draw(
+    job: &mut Job,
+    renderer: &Renderer,
+    scene: &Scene,
+    camera: &Camera,
+) -> Result<Finished, Failure> {
+    watch::phase(Phase::Rendering);
     let clock = Clock::now();
-    let frame = renderer.render(&scene, &camera)?;
-    let stages = frame_stages(&frame.stats, clock.elapsed().cpu);
-    job.stages.0.extend(stages.0);
+    let frame = renderer.render(scene, camera)?;
+    for (name, time) in frame_stages(&frame.stats, clock.elapsed().cpu).0 {
+        job.stages.add(name, time);
+    }
     if frame.view.up_replaced {
         warning("--up is parallel to the direction of view; another direction points up");
-    }
-    if frame.stats.pixels_covered == 0 {
-        warning(
-            "no pixel is covered: the model is outside of the view, smaller than a pixel, or has no faces to draw",
-        );
     }
     Ok(frame)
 }
 
-pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
+pub(crate) fn warn_empty() {
+    warning(
+        "no pixel is covered: the model is outside of the view, smaller than a pixel, or has no faces to draw",
+    );
+}
+
+/// A picture with all that is known of it.
+pub(crate) struct Drawn {
+    pub(crate) image: Image,
+    pub(crate) planes: Vec<Plane>,
+    pub(crate) stats: FrameStats,
+    /// The view, and the origin of its coordinates; none of a sheet.
+    pub(crate) seen: Option<(View, [f64; 3])>,
+}
+
+/// Draws the models of the arguments together.
+fn single(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
+    let scene = scene(job, a, &a.models)?;
+    let renderer = renderer(job, a);
+    let frame = draw(job, &renderer, &scene, &camera(a, &scene))?;
+    if frame.stats.pixels_covered == 0 {
+        warn_empty();
+    }
+    Ok(Drawn {
+        image: frame.image,
+        planes: frame.planes,
+        stats: frame.stats,
+        seen: Some((frame.view, origin(&scene))),
+    })
+}
+
+/// What can be seen to be impossible in the arguments alone.
+pub(crate) fn check(a: &Arguments) -> Result<(), Failure> {
     check_models(&a.models)?;
     if a.displace.is_on() && a.level.drawing() == Drawing::Cage {
         return Err(Failure::usage(
             "--surface cage shows the polygons as they are: nothing is displaced",
         ));
     }
-    let (picture, stats) = outputs(a)?;
+    Ok(())
+}
+
+pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
+    check(a)?;
+    let outputs = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.
-    check_picture(&a.picture, &job.limits(), 13)?;
-    let frame = draw(job, a)?;
+    let beside: usize = a.aov.iter().map(|f| 2 * f.aov.pixel_bytes()).sum();
+    check_picture(&a.picture, &job.limits(), 13 + beside as u128)?;
+    let drawn = match a.views.is_empty() {
+        true => single(job, a)?,
+        false => {
+            views::check(job, a)?;
+            views::draw(job, a)?
+        }
+    };
     watch::phase(Phase::Writing);
     job.limits().check()?;
     let mut staged = vec![job.time("write", |_| {
-        picture.stage(&film::png::encode(&frame.image)?)
+        outputs.picture.stage(&film::png::encode(&drawn.image)?)
     })?];
+    if let Some((view, origin)) = &drawn.seen {
+        let files = aov::stage(job, &drawn.planes, &outputs.aovs, view, *origin)?;
+        staged.extend(files);
+    }
+    let done = &drawn.stats;
     note(&format!(
         "{} micro-triangles, levels {:?}, {} pixels covered, {:.0} ms",
-        frame.stats.microtriangles,
-        frame.stats.levels,
-        frame.stats.pixels_covered,
+        done.microtriangles,
+        done.levels,
+        done.pixels_covered,
         job.start.elapsed().as_secs_f64() * 1e3
     ));
-    if let Some(stats) = stats {
-        let middle = vec![
-            ("faces", Json::Whole(frame.stats.faces)),
-            ("microtriangles", Json::Whole(frame.stats.microtriangles)),
-            ("pixels_covered", Json::Whole(frame.stats.pixels_covered)),
+    if let Some(stats) = outputs.stats {
+        let mut middle = vec![
+            ("faces", Json::Whole(done.faces)),
+            ("microtriangles", Json::Whole(done.microtriangles)),
+            ("pixels_covered", Json::Whole(done.pixels_covered)),
         ];
+        if let Some((view, origin)) = &drawn.seen {
+            middle.extend(aov::view_json(view, *origin));
+        }
         let report = Json::Object(job.report(model_names(&a.models), middle));
         staged.push(stats.stage(format!("{report}\n").as_bytes())?);
     }

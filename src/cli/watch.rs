@@ -31,9 +31,19 @@ pub(crate) enum Phase {
     Refining,
     Writing,
     Measuring,
+    Comparing,
+    Turning,
 }
 
-const PHASES: [&str; 5] = ["reading", "rendering", "refining", "writing", "measuring"];
+const PHASES: [&str; 7] = [
+    "reading",
+    "rendering",
+    "refining",
+    "writing",
+    "measuring",
+    "comparing",
+    "frame",
+];
 
 static ENDED: AtomicBool = AtomicBool::new(false);
 /// It was the work that ended it.
@@ -142,8 +152,12 @@ impl Watch {
         let phase = PHASES[usize::from(PHASE.load(Ordering::Relaxed)) % PHASES.len()];
         let seconds = (now - self.start).as_secs_f64();
         match self.progress.get() {
-            (done, total) if phase == "rendering" && total > 0 => {
+            (done, total) if matches!(phase, "rendering" | "comparing") && total > 0 => {
                 format!("{phase} {} %, {seconds:.1} s", 100 * done / total)
+            }
+            (done, total) if phase == "frame" && total > 0 => {
+                let frame = (done + 1).min(total);
+                format!("{phase} {frame} of {total}, {seconds:.1} s")
             }
             _ => format!("{phase}, {seconds:.1} s"),
         }

@@ -5,6 +5,7 @@
 //! the order, and ranks are given in (face, block) order before, so the picture is that of drawing everything.
 
 use super::Frame;
+use super::aov::{self, TilePlanes};
 use super::cutout::{Layers, draw_cutout};
 use super::shading::{self, Pixels, footprints};
 use super::source::{Attributes, Source, SourceScratch};
@@ -43,6 +44,7 @@ pub(super) struct Scratch {
     pub(super) surface: Vec<SurfacePoint>,
     pub(super) shaded: Vec<[f32; 4]>,
     pub(super) pixels: Pixels,
+    pub(super) planes: TilePlanes,
     pub(super) times: StageTimes,
     simd: Level,
 }
@@ -65,6 +67,7 @@ impl Scratch {
             surface: Vec::new(),
             shaded: Vec::new(),
             pixels: Pixels::default(),
+            planes: TilePlanes::default(),
             times: StageTimes::default(),
             simd,
         }
@@ -115,6 +118,7 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     let rect = frame.grid.rect(tile);
     let size = [rect[2], rect[3]];
     s.pixels.clear(size, frame.film.empty());
+    s.planes.clear(&frame.wanted, size);
     let items = frame.bins.items(tile);
     if items.is_empty() {
         return 0;
@@ -122,7 +126,7 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     s.tile
         .place(rect[0], rect[1], rect[2], rect[3], frame.size.samples);
     s.drawn.clear();
-    s.attributes.wants_uvs = frame.wants_uvs;
+    s.attributes.wants_uvs = frame.wants_uvs || frame.wanted.wants(aov::Aov::Uv);
     s.source.measure(s.times.on);
     if queue(frame, items, s) {
         for k in 0..s.queue.len() {
@@ -146,6 +150,7 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
         }
     }
     s.visible.gather(&s.tile, s.drawn.len(), &s.reach);
+    aov::gather(frame, s);
     s.times.stop(Stage::Shade, clock);
     shading::shade(frame, s);
     let clock = s.times.start();

@@ -58,6 +58,28 @@ impl Visible {
     /// Collects and sorts what `tile` shows of `ranks` blocks. `reach` of a rank is how many micro-quads apart samples of a pixel may
     /// be, in either direction of the block, to be shaded together; without it every sample is a fragment.
     pub(super) fn gather(&mut self, tile: &Tile, ranks: usize, reach: &[u8]) {
+        self.begin(tile, ranks);
+        let count = if tile.samples() == 1 {
+            self.find_single(tile)
+        } else {
+            self.find(tile, reach)
+        };
+        self.sort(count);
+    }
+
+    /// Collects and sorts one sample of every pixel that shows anything: the first in `order` that does. Its count is that of all samples
+    /// of the pixel that do.
+    pub(super) fn gather_nearest(&mut self, tile: &Tile, ranks: usize, order: &[u32]) {
+        self.begin(tile, ranks);
+        let count = if tile.samples() == 1 {
+            self.find_single(tile)
+        } else {
+            self.find_nearest(tile, order)
+        };
+        self.sort(count);
+    }
+
+    fn begin(&mut self, tile: &Tile, ranks: usize) {
         let [width, height] = tile.size();
         let samples = tile.samples();
         self.starts.clear();
@@ -71,11 +93,10 @@ impl Visible {
             self.found.resize(most, Fragment::default());
             self.order.resize(most, Fragment::default());
         }
-        let count = if samples == 1 {
-            self.find_single(tile)
-        } else {
-            self.find(tile, reach)
-        };
+    }
+
+    /// Puts what was found in the order of ranks.
+    fn sort(&mut self, count: usize) {
         for r in 2..self.starts.len() {
             self.starts[r] += self.starts[r - 1];
         }
@@ -137,6 +158,32 @@ impl Visible {
             self.starts[last + 2] += run;
         }
         self.pixels = count as u64;
+        count
+    }
+
+    /// Several samples per pixel: the first in `order` that shows anything.
+    fn find_nearest(&mut self, tile: &Tile, order: &[u32]) -> usize {
+        let [width, height] = tile.size();
+        let mut count = 0;
+        for y in 0..height {
+            let rows: [&[_]; 16] = std::array::from_fn(|k| {
+                let sample = order.get(k).or(order.last()).copied().unwrap_or(0);
+                tile.row(y, sample)
+            });
+            let rows = &rows[..order.len().min(16)];
+            for x in 0..width {
+                let keys = rows.iter().map(|row| row[x as usize].0);
+                let hits = keys.clone().filter(|&k| k != 0).count() as u32;
+                let first = keys.zip(order).find(|(k, _)| *k != 0);
+                let Some((key, &sample)) = first else {
+                    continue;
+                };
+                let id = !(key as u32);
+                self.found[count] = Fragment::new(x, y, sample, hits, id);
+                self.starts[(id >> 11) as usize + 2] += 1;
+                count += 1;
+            }
+        }
         count
     }
 
@@ -219,6 +266,33 @@ mod tests {
             }
         }
         tile
+    }
+
+    #[test]
+    fn one_sample_counts_for_its_pixel() {
+        for (samples, order) in [(1, &[0][..]), (4, &[2, 0, 3, 1])] {
+            let tile = tile(samples);
+            let mut visible = Visible::default();
+            visible.gather_nearest(&tile, 5, order);
+            let mut found = std::collections::BTreeMap::new();
+            for rank in 0..5 {
+                for f in visible.of_rank(rank) {
+                    assert_eq!(SampleId(f.id).rank() as usize, rank);
+                    assert!(found.insert((f.x(), f.y()), *f).is_none());
+                }
+            }
+            for (y, x) in (0..24).flat_map(|y| (0..40).map(move |x| (y, x))) {
+                let shows = |s: &&u32| tile.cell(x, y, **s).0 != 0;
+                let want = order.iter().find(shows);
+                let f = found.get(&(x, y));
+                assert_eq!(f.map(|f| f.sample()), want.copied());
+                if let Some(f) = f {
+                    assert_eq!(tile.cell(x, y, f.sample()).id(), Some(SampleId(f.id)));
+                    assert_eq!(f.count() as usize, order.iter().filter(shows).count());
+                }
+            }
+            assert!(found.len() > 600);
+        }
     }
 
     #[test]
