@@ -17,6 +17,7 @@ fn help_texts_are_as_agreed() {
         "refine",
         "info",
         "compare",
+        "batch",
         "bench",
         "completions",
         "man",
@@ -46,7 +47,15 @@ fn help_texts_are_as_agreed() {
 
 #[test]
 fn every_flag_says_its_default_or_takes_no_value() {
-    for verb in ["render", "turntable", "refine", "info", "compare", "bench"] {
+    for verb in [
+        "render",
+        "turntable",
+        "refine",
+        "info",
+        "compare",
+        "batch",
+        "bench",
+    ] {
         let out = run(&[verb, "-h"]);
         let text = stdout(&out);
         for line in text.lines().filter(|l| l.contains(" --")) {

@@ -2,6 +2,8 @@
 
 #[path = "outputs/aov.rs"]
 mod aov;
+#[path = "outputs/batch.rs"]
+mod batch;
 #[path = "outputs/compare.rs"]
 mod compare;
 #[path = "cli/harness.rs"]

@@ -45,6 +45,13 @@ Examples:
   Make the new ones golden:
     earmark compare goldens new --accept";
 
+pub(crate) const BATCH: &str = "\
+Examples:
+  A line per job in jobs.jsonl, as [\"render\", \"cube.obj\", \"-o\", \"a.png\", \"-s\", \"64x64\"]:
+    earmark batch jobs.jsonl
+  The second third of them, without those that are done:
+    earmark batch jobs.jsonl --shard 2/3 --skip-existing";
+
 pub(crate) const BENCH: &str = "\
 Examples:
     earmark bench frame creature.obj --level 3 --repeat 5

@@ -1,7 +1,7 @@
 //! What every verb works with: limits, clocks, threads, the models it loads, and the outputs it stages.
 
 use super::exit::{Code, Failure};
-use super::flags::{LevelFlags, ModelFlags, RunningFlags, scheme_name};
+use super::flags::{LevelFlags, ModelFlags, RunningFlags, Simd, scheme_name};
 use super::messages::{note, warning};
 use super::pn_tags::PnTags;
 use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, reserved_bytes};
@@ -61,6 +61,23 @@ impl Job {
             progress: Arc::default(),
             running: running.clone(),
         })
+    }
+
+    /// A job within this one: its own flags and clocks; signals, threads and what is not in its flags are those of this one.
+    pub(crate) fn inner(&self, running: Option<&RunningFlags>) -> Result<Self, Failure> {
+        let plain = RunningFlags::default();
+        let running = running.unwrap_or(&plain);
+        let mut job = Self::new(Instant::now(), running)?;
+        job.threads = self.threads;
+        if running.simd == Simd::Auto {
+            job.simd = self.simd;
+        }
+        job.max_memory = running.max_memory.or(self.max_memory);
+        let deadlines = [job.deadline, self.deadline].into_iter().flatten();
+        job.deadline = deadlines.min_by_key(|d| d.0);
+        job.cancelled = Arc::clone(&self.cancelled);
+        job.progress = Arc::clone(&self.progress);
+        Ok(job)
     }
 
     /// Handlers of signals, deadline and progress.

@@ -1,6 +1,7 @@
 //! Arguments to verbs, and verbs to exit codes.
 
 mod aov;
+mod batch;
 mod bench;
 mod bench_evaluate;
 mod bench_paper;
@@ -63,6 +64,9 @@ enum Verb {
     /// Compare pictures with golden ones, or folders of them
     #[command(after_long_help = examples::COMPARE)]
     Compare(compare::Arguments),
+    /// Run many commands in one process
+    #[command(after_long_help = examples::BATCH)]
+    Batch(batch::Arguments),
     /// Measure on this machine, in process and without output files
     #[command(after_long_help = examples::BENCH)]
     Bench(bench::Arguments),
@@ -83,6 +87,7 @@ impl Verb {
             Self::Refine(a) => Some(&a.running),
             Self::Info(a) => Some(&a.running),
             Self::Compare(a) => Some(a.running()),
+            Self::Batch(a) => Some(&a.running),
             Self::Bench(a) => Some(&a.running),
             Self::Completions(_) | Self::Man(_) => None,
         }
@@ -96,6 +101,7 @@ impl Verb {
             Self::Refine(a) => refine::run(job, a),
             Self::Info(a) => info::run(job, a),
             Self::Compare(a) => compare::run(job, a),
+            Self::Batch(a) => batch::run(job, a),
             Self::Bench(a) => bench::run(job, a),
         }
     }

@@ -77,6 +77,17 @@ fn numbered(path: &Path, number: u32) -> Option<PathBuf> {
 }
 
 impl Arguments {
+    /// The file by which the turn is known to be done: of numbered frames the last.
+    pub(crate) fn last_output(&self) -> PathBuf {
+        let last = self
+            .turn
+            .frames
+            .as_ref()
+            .map_or(self.turn.count, |f| *f.end());
+        let path = &self.render.output;
+        numbered(path, last).unwrap_or_else(|| path.clone())
+    }
+
     /// Frames to draw.
     fn frames(&self) -> Result<RangeInclusive<u32>, Failure> {
         let count = self.turn.count;

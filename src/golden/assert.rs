@@ -93,7 +93,10 @@ pub enum Outcome {
 
 /// Why a picture did not pass; what it prints names all files and figures.
 #[derive(Debug)]
-pub struct Failure {
+pub struct Failure(Box<Parts>);
+
+#[derive(Debug)]
+struct Parts {
     name: String,
     golden: PathBuf,
     output: PathBuf,
@@ -106,12 +109,12 @@ impl Failure {
     /// What was found; nothing where files could not be read or written.
     #[must_use]
     pub fn verdict(&self) -> Option<&Verdict> {
-        self.verdict.as_ref().ok()
+        self.0.verdict.as_ref().ok()
     }
     /// The page that shows it.
     #[must_use]
     pub fn report(&self) -> PathBuf {
-        self.output.join("index.html")
+        self.0.output.join("index.html")
     }
 }
 
@@ -119,12 +122,12 @@ impl std::error::Error for Failure {}
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, golden) = (&self.name, self.golden.display());
-        let verdict = match &self.verdict {
+        let (name, golden) = (&self.0.name, self.0.golden.display());
+        let verdict = match &self.0.verdict {
             Ok(verdict) => verdict,
             Err(e) => return write!(f, "picture \"{name}\": {e}"),
         };
-        let file = |kind: &str| self.output.join(kind).join(format!("{name}.png"));
+        let file = |kind: &str| self.0.output.join(kind).join(format!("{name}.png"));
         writeln!(f, "picture \"{name}\": {}", verdict.word())?;
         for line in verdict.figures().lines() {
             writeln!(f, "  {line}")?;
@@ -137,7 +140,7 @@ impl fmt::Display for Failure {
             writeln!(f, "  difference: {}", file("difference").display())?;
         }
         writeln!(f, "  report:     {}", self.report().display())?;
-        match self.note {
+        match self.0.note {
             Some(note) => write!(f, "  {note}"),
             None => write!(
                 f,
@@ -202,12 +205,14 @@ impl Goldens {
     /// [`Failure`]. Where pictures are accepted, only if files cannot be written, or under continuous integration (the variable `CI`
     /// is set): nobody looks at pictures there.
     pub fn check(&self, name: &str, image: &DeepImage) -> Result<Outcome, Failure> {
-        let failure = |verdict, note| Failure {
-            name: name.to_owned(),
-            golden: self.file(name),
-            output: self.output.clone(),
-            verdict,
-            note,
+        let failure = |verdict, note| {
+            Failure(Box::new(Parts {
+                name: name.to_owned(),
+                golden: self.file(name),
+                output: self.output.clone(),
+                verdict,
+                note,
+            }))
         };
         if !is_name(name) {
             let unreadable = Verdict::Unreadable(

@@ -128,9 +128,9 @@ impl<'a> Page<'a> {
     pub fn end(self, others: &str, names: &[String]) -> io::Result<()> {
         if !names.is_empty() {
             let names: Vec<String> = names.iter().map(|n| escaped(n)).collect();
-            write!(
+            writeln!(
                 self.out,
-                "<details><summary>{} {}</summary><pre>{}</pre></details>\n",
+                "<details><summary>{} {}</summary><pre>{}</pre></details>",
                 names.len(),
                 escaped(others),
                 names.join("\n")

@@ -46,12 +46,16 @@ fn pixels(frame: &Finished) -> impl Iterator<Item = [u32; 2]> + use<> {
 
 #[test]
 fn they_never_change_the_picture() {
-    for assets in [
-        &["creature.obj"][..],
-        &["part_creased.obj"],
-        &["torus.obj", "cube.obj"],
-    ] {
-        let scene = scene(assets);
+    // With coordinates and no texture nothing of the picture looks at them.
+    let creature = fs::read_to_string(asset("creature.obj")).unwrap();
+    let scenes = [
+        scene(&["creature.obj"]),
+        scene(&["part_creased.obj"]),
+        scene(&["torus.obj", "cube.obj"]),
+        scene_of(&creature),
+    ];
+    assert!(scenes[3].textures.is_empty() && scenes[3].objects[0].surface.has_uvs());
+    for (k, scene) in scenes.iter().enumerate() {
         for (samples, mode) in [
             (1, ShadeMode::Lit),
             (4, ShadeMode::Lit),
@@ -61,9 +65,9 @@ fn they_never_change_the_picture() {
             let mut without = renderer(samples, &[]);
             (with.mode, without.mode) = (mode, mode);
             let camera = Camera::default();
-            let a = with.render(&scene, &camera).unwrap();
-            let b = without.render(&scene, &camera).unwrap();
-            assert!(a.image == b.image, "{assets:?} {samples}");
+            let a = with.render(scene, &camera).unwrap();
+            let b = without.render(scene, &camera).unwrap();
+            assert!(a.image == b.image, "scene {k}, {samples} samples");
             assert!(b.planes.is_empty() && a.planes.len() == Aov::ALL.len());
             // In any order, alone or together, on any number of threads.
             let mut alone = renderer(samples, &[Aov::Uv]);
@@ -72,7 +76,7 @@ fn they_never_change_the_picture() {
                 .num_threads(3)
                 .build()
                 .unwrap();
-            let c = pool.install(|| alone.render(&scene, &camera)).unwrap();
+            let c = pool.install(|| alone.render(scene, &camera)).unwrap();
             assert!(c.image == a.image && c.planes[0] == *plane(&a, Aov::Uv));
         }
     }
@@ -325,6 +329,47 @@ fn levels_and_colours_are_those_of_the_surface() {
     let frame = renderer(4, &[Aov::Albedo]).render(&scene, &front).unwrap();
     let codes = frame.planes[0].codes(75, 55);
     assert_eq!(codes, [255, 188, 0, 255]);
+}
+
+#[test]
+fn the_sample_nearest_to_the_centre_counts() {
+    // Two squares beside each other; where they meet is put at any place of a column of pixels.
+    let scene = scene_of(
+        "v -1 -1 0\nv 0 -1 0\nv 1 -1 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nf 1 2 5 4\nf 2 3 6 5\n",
+    );
+    for (samples, sixteenths, left) in [
+        (1, 1, true),
+        (1, -1, false),
+        // All four are equally near: the first, at -2/16, counts.
+        (4, -1, true),
+        (4, -3, false),
+        // Those at 1/16 and -1/16 are equally near: the first counts, though more are on the other side.
+        (8, 2, true),
+        (8, 0, false),
+        (16, 2, true),
+        (16, 0, false),
+    ] {
+        let mut renderer = renderer(samples, &[Aov::Face]);
+        renderer.drawing = Drawing::Cage;
+        let at = |x: f64| {
+            let camera = Camera::default()
+                .with_ortho()
+                .with_eye_target([x, 0.0, 5.0], [x, 0.0, 0.0]);
+            renderer.render(&scene, &camera).unwrap()
+        };
+        let scale = f64::from(at(0.0).view.scale);
+        let frame = at(-(0.5 + f64::from(sixteenths) / 16.0) / scale);
+        let [x, ..] = frame.view.project([0.0; 3]).unwrap();
+        assert!((x - 75.5 - sixteenths as f32 / 16.0).abs() < 1e-3);
+        for y in 40..70 {
+            let want = if left { 0 } else { 1 };
+            assert_eq!(
+                face(&frame, [75, y]),
+                Some(want),
+                "{samples} samples, {sixteenths}/16"
+            );
+        }
+    }
 }
 
 /// Size, colour type, bits, and texts of a PNG.

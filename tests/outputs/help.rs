@@ -4,12 +4,13 @@ use super::harness::{Folder, asset, code, earmark, run, stderr, stdout};
 use std::fs;
 use std::process::Command;
 
-const VERBS: [&str; 8] = [
+const VERBS: [&str; 9] = [
     "render",
     "turntable",
     "refine",
     "info",
     "compare",
+    "batch",
     "bench",
     "completions",
     "man",
@@ -32,11 +33,9 @@ fn examples(text: &str) -> Vec<String> {
             || words.contains(": ")
         {
             open = false;
-        } else if open && !words.ends_with(':') {
-            if let Some(last) = out.last_mut() {
-                last.push(' ');
-                last.push_str(words);
-            }
+        } else if let (true, Some(last)) = (open && !words.ends_with(':'), out.last_mut()) {
+            last.push(' ');
+            last.push_str(words);
         }
     }
     out
@@ -66,6 +65,8 @@ fn every_example_runs() {
         fs::create_dir(folder.path(name)).unwrap();
         fs::copy(folder.path("cube.png"), folder.path(name).join("cube.png")).unwrap();
     }
+    let job = r#"["render", "cube.obj", "-o", "a.png", "-s", "64x64"]"#;
+    fs::write(folder.path("jobs.jsonl"), format!("{job}\n{job}\n")).unwrap();
     let program = earmark().get_program().to_owned();
     let program = fs::canonicalize(program).unwrap();
     let mut count = 0;
