@@ -10,6 +10,7 @@
 //! regular file. An output that is a link to a regular file is followed: the file is replaced, the link stays.
 
 mod atomic;
+mod walk;
 
 use std::fmt;
 use std::fs::{self, File, Metadata, OpenOptions};
@@ -18,7 +19,8 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::mesh::obj::escape;
 use crate::mesh::{ResolveError, Resolver};
-pub use atomic::{AtomicFile, abandon_outputs, check_output, write_atomic};
+pub use atomic::{AtomicFile, abandon_outputs, check_output, make_folder, remove, write_atomic};
+pub use walk::files_below;
 
 /// Why a file was not read or written.
 #[derive(Debug)]

@@ -52,6 +52,7 @@ pub mod evaluate;
 pub mod files;
 pub mod film;
 pub mod frame;
+pub mod golden;
 pub mod guide;
 pub mod limits;
 pub mod load;

@@ -14,7 +14,18 @@ use std::path::Path;
 #[test]
 fn help_texts_are_as_agreed() {
     let mut wrong = Vec::new();
-    for verb in ["", "render", "refine", "info", "bench"] {
+    for verb in [
+        "",
+        "render",
+        "turntable",
+        "refine",
+        "info",
+        "compare",
+        "batch",
+        "bench",
+        "completions",
+        "man",
+    ] {
         let arguments: Vec<&str> = [verb, "--help"]
             .into_iter()
             .filter(|a| !a.is_empty())
@@ -40,7 +51,15 @@ fn help_texts_are_as_agreed() {
 
 #[test]
 fn every_flag_says_its_default_or_takes_no_value() {
-    for verb in ["render", "refine", "info", "bench"] {
+    for verb in [
+        "render",
+        "turntable",
+        "refine",
+        "info",
+        "compare",
+        "batch",
+        "bench",
+    ] {
         let out = run(&[verb, "-h"]);
         let text = stdout(&out);
         for line in text.lines().filter(|l| l.contains(" --")) {
@@ -57,6 +76,10 @@ fn every_flag_says_its_default_or_takes_no_value() {
                 "--timeout",
                 "--depth-tags",
                 "--page",
+                "--aov",
+                "--views",
+                "--diff",
+                "--report",
             ];
             if takes_value && !optional_file.iter().any(|f| line.contains(f)) {
                 let at = text.find(line).unwrap();

@@ -1,16 +1,20 @@
 //! Pictures of every asset against `golden/`, pixel by pixel.
 //!
 //! A new or changed picture is accepted by `EARMARK_BLESS=1 cargo test --test golden`, which writes it and then fails, so that no run
-//! that writes can pass. Only the scalar code on one thread may write. A mismatch leaves the expected, the actual and the difference
-//! picture, figures, and a page to look at them under `target/golden/`.
+//! that writes can pass. Only the scalar code on one thread may write. A mismatch leaves the golden, the new and the difference
+//! picture, figures, and a page to look at them under `target/golden/earmark/`: see `earmark::golden`, which is tested here too.
 
+#[path = "golden/adopter.rs"]
+mod adopter;
+#[path = "golden/assertions.rs"]
+mod assertions;
 mod common;
 #[path = "golden/displaced.rs"]
 mod displaced;
 
-use earmark::compare::{compare, difference};
 use earmark::film::Image;
 use earmark::frame::{Drawing, Refinement};
+use earmark::golden::Goldens;
 use earmark::load::{LoadOptions, Loader};
 use earmark::mesh::resolver::NoFiles;
 use earmark::patch::PatchKind;
@@ -18,10 +22,8 @@ use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::simd::Level;
 use earmark::tessellate::{DepthTags, Pattern};
-use earmark::{Camera, Renderer, SurfaceOptions, film};
-use std::collections::BTreeSet;
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use earmark::{Camera, Renderer, SurfaceOptions};
+use std::path::Path;
 
 struct Golden {
     name: String,
@@ -304,10 +306,6 @@ f 9 7 8
 f 10 9 2
 ";
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("golden")
-}
-
 fn draw(g: &Golden, simd: Level) -> Image {
     let mut loader = Loader::new(LoadOptions {
         surface: SurfaceOptions {
@@ -348,113 +346,62 @@ fn draw(g: &Golden, simd: Level) -> Image {
     renderer.render(&scene, &g.camera).unwrap().image
 }
 
-fn decode(bytes: &[u8]) -> Image {
-    let picture = image::load_from_memory(bytes).unwrap().into_rgba8();
-    Image {
-        width: picture.width(),
-        height: picture.height(),
-        data: picture.into_raw(),
-    }
+/// The golden pictures of this package stand beside its sources.
+fn store() -> Goldens {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    Goldens::of(manifest, "earmark").in_folder(&manifest.join("golden"))
 }
 
 #[test]
 fn pictures_equal_their_goldens() {
-    let bless = std::env::var_os("EARMARK_BLESS").is_some_and(|v| v == "1");
+    let store = store();
+    let strict = store.clone().blessing(false);
     let mut failures = Vec::new();
     let mut written = 0;
     for g in goldens() {
-        let path = folder().join(format!("{}.png", g.name));
         let actual = draw(&g, Level::detect());
-        let expected = std::fs::read(&path).ok().map(|b| decode(&b));
-        if expected.as_ref() == Some(&actual) {
+        let Err(failure) = strict.check(&g.name, &actual.into()) else {
+            continue;
+        };
+        if !store.is_blessing() {
+            failures.push(failure.to_string());
             continue;
         }
-        if bless {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(1)
-                .build()
-                .unwrap();
-            let image = pool.install(|| draw(&g, Level::SCALAR));
-            std::fs::write(&path, film::png::encode(&image).unwrap()).unwrap();
-            written += 1;
-        } else {
-            failures.push((g.name, expected, actual));
-        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+        let image = pool.build().unwrap().install(|| draw(&g, Level::SCALAR));
+        store.write(&g.name, &image.into()).unwrap();
+        written += 1;
     }
     assert_eq!(
         written, 0,
         "{written} goldens written; look at them, then run again without EARMARK_BLESS"
     );
-    if !failures.is_empty() {
-        let page = report(&failures);
-        panic!("{} pictures differ; see {}", failures.len(), page.display());
-    }
-}
-
-/// Writes pictures, figures and a page; returns the page.
-fn report(failures: &[(String, Option<Image>, Image)]) -> PathBuf {
-    let out = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .parent()
-        .unwrap()
-        .join("golden");
-    std::fs::create_dir_all(&out).unwrap();
-    let mut html = String::from(
-        "<!doctype html><meta charset=utf-8><title>golden pictures</title><style>body{font:14px sans-serif;background:#777}td{padding:4px}</style><table>",
-    );
-    for (name, expected, actual) in failures {
-        let save = |kind: &str, image: &Image| {
-            std::fs::write(
-                out.join(format!("{name}.{kind}.png")),
-                film::png::encode(image).unwrap(),
-            )
-            .unwrap()
-        };
-        save("actual", actual);
-        let mut figures = String::from("no golden yet");
-        if let Some(expected) = expected {
-            save("expected", expected);
-            if let Ok(difference) = difference(expected, actual) {
-                save("difference", &difference);
-            }
-            figures = compare(expected, actual)
-                .map_or_else(|_| "sizes differ".into(), |c| format!("{c:?}"));
-        }
-        std::fs::write(out.join(format!("{name}.txt")), &figures).unwrap();
-        let cell = |kind: &str| format!("<td><img src='{name}.{kind}.png' alt='{kind}'><br>{kind}");
-        let _ = write!(
-            html,
-            "<tr><td colspan=3><b>{name}</b> {figures}<tr>{}{}{}",
-            cell("expected"),
-            cell("actual"),
-            cell("difference")
-        );
-    }
-    let page = out.join("index.html");
-    std::fs::write(&page, html).unwrap();
-    page
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]
 fn every_golden_is_read_by_a_test() {
-    let known: BTreeSet<String> = goldens()
-        .into_iter()
-        .map(|g| format!("{}.png", g.name))
-        .collect();
-    for entry in std::fs::read_dir(folder()).unwrap() {
-        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
-        // Those of line work are read by tests/overlay.rs.
-        if name.starts_with("overlay_") {
-            continue;
-        }
-        assert!(known.contains(&name), "golden/{name} is read by no test");
-    }
+    let all = goldens();
+    let mut dead = store().dead(all.iter().map(|g| g.name.as_str())).unwrap();
+    // Those of line work are read by tests/overlay.rs.
+    dead.retain(|name| !name.starts_with("overlay_"));
+    assert_eq!(dead, Vec::<String>::new(), "goldens that no test reads");
+    // One that is not asked for is found.
+    let but_one = all[1..].iter().map(|g| g.name.as_str());
+    assert!(store().dead(but_one).unwrap().contains(&all[0].name));
 }
 
 #[test]
 fn a_changed_picture_is_noticed() {
     let g = goldens().remove(1);
     let mut image = draw(&g, Level::detect());
-    let expected = decode(&std::fs::read(folder().join(format!("{}.png", g.name))).unwrap());
     image.data[4 * 128 * 257] ^= 1;
-    assert_ne!(expected, image);
+    let folder = std::env::temp_dir().join(format!("earmark-changed-{}", std::process::id()));
+    let strict = store().blessing(false).leaving_in(&folder);
+    let failure = strict.check(&g.name, &image.into()).unwrap_err();
+    assert!(
+        failure.to_string().contains("1 of 65536 pixels differ"),
+        "{failure}"
+    );
+    std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -72,6 +72,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("film", &["math", "simd", "records"]),
     ("compare", &["math", "film"]),
+    (
+        "golden",
+        &["compare", "film", "files", "limits", "assert_image"],
+    ),
     ("sheet", &["math", "film"]),
     (
         "overlay",

@@ -743,7 +743,7 @@ fn a_picture_survives_its_file() {
     }
     assert!(image.is_opaque());
     let back = png::decode(&png::encode(&image).expect("encodes")).expect("decodes");
-    let same = earmark::compare::compare(&image, &back).expect("same size");
+    let same = earmark::compare::compare(&(&image).into(), &back.into()).expect("same size");
     assert_eq!(same.differing(), 0);
     assert_eq!(image.pixel(0, 0), [10, 20, 30, 255]);
     assert_ne!(image.pixel(20, 15), [10, 20, 30, 255]);

@@ -16,6 +16,8 @@ use std::path::Path;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Code {
     Done,
+    /// A comparison found a difference.
+    Different,
     Usage,
     Data,
     Io,
@@ -31,6 +33,7 @@ impl Code {
     pub(crate) fn number(self) -> u8 {
         match self {
             Self::Done => 0,
+            Self::Different => 1,
             Self::Usage => 2,
             Self::Data => 3,
             Self::Io => 4,
@@ -44,8 +47,8 @@ impl Code {
 
 /// What `--help` says about exit codes.
 pub(crate) const HELP: &str = "\
-Exit codes: 0 done; 2 usage; 3 bad input data; 4 input or output; 5 a limit was reached (time, memory, faces); 6 SIMD level not \
-available; 70 internal error, a defect; 128+N ended by signal N. On any code but 0 no output file appears and existing ones stay.";
+Exit codes: 0 done; 1 compare found a difference, or jobs of a batch failed; 2 usage; 3 bad input data; 4 input or output; 5 a limit was reached (time, memory, faces); 6 SIMD level not \
+available; 70 internal error, a defect; 128+N ended by signal N. On any code but 0 and 1 no output file appears and existing ones stay; numbered frames that are done stay.";
 
 /// Why the program ends without having done its work.
 #[derive(Debug)]

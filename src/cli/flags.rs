@@ -561,6 +561,24 @@ pub(crate) struct RunningFlags {
     pub(crate) color: When,
 }
 
+impl Default for RunningFlags {
+    /// What verbs that only print a text run with.
+    fn default() -> Self {
+        Self {
+            threads: Some(1),
+            simd: Simd::Auto,
+            timeout: None,
+            max_memory: None,
+            max_faces: None,
+            stats: None,
+            quiet: false,
+            verbose: 0,
+            progress: When::Never,
+            color: When::Auto,
+        }
+    }
+}
+
 /// A finite number.
 fn number(s: &str) -> Result<f64, String> {
     match s.parse::<f64>() {

@@ -1,7 +1,7 @@
 //! What every verb works with: limits, clocks, threads, the models it loads, and the outputs it stages.
 
 use super::exit::{Code, Failure};
-use super::flags::{LevelFlags, ModelFlags, RunningFlags, scheme_name};
+use super::flags::{LevelFlags, ModelFlags, RunningFlags, Simd, scheme_name};
 use super::messages::{note, warning};
 use super::pn_tags::PnTags;
 use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, reserved_bytes};
@@ -61,6 +61,23 @@ impl Job {
             progress: Arc::default(),
             running: running.clone(),
         })
+    }
+
+    /// A job within this one: its own flags and clocks; signals, threads and what is not in its flags are those of this one.
+    pub(crate) fn inner(&self, running: Option<&RunningFlags>) -> Result<Self, Failure> {
+        let plain = RunningFlags::default();
+        let running = running.unwrap_or(&plain);
+        let mut job = Self::new(Instant::now(), running)?;
+        job.threads = self.threads;
+        if running.simd == Simd::Auto {
+            job.simd = self.simd;
+        }
+        job.max_memory = running.max_memory.or(self.max_memory);
+        let deadlines = [job.deadline, self.deadline].into_iter().flatten();
+        job.deadline = deadlines.min_by_key(|d| d.0);
+        job.cancelled = Arc::clone(&self.cancelled);
+        job.progress = Arc::clone(&self.progress);
+        Ok(job)
     }
 
     /// Handlers of signals, deadline and progress.
@@ -440,6 +457,10 @@ impl Output {
 pub(crate) struct Staged(Option<AtomicFile>);
 
 impl Staged {
+    /// An output that is complete and on disk.
+    pub(crate) fn of(file: AtomicFile) -> Self {
+        Self(Some(file))
+    }
     pub(crate) fn commit(self) -> Result<(), Failure> {
         match self.0 {
             Some(file) => Ok(file.commit()?),
@@ -455,6 +476,11 @@ pub(crate) fn commit_all(outputs: Vec<Staged>) -> Result<(), Failure> {
         output.commit()?;
     }
     Ok(())
+}
+
+/// An output that cannot be written to its end.
+pub(crate) fn write_failure(e: &io::Error) -> Failure {
+    Failure::new(Code::Io, format!("earmark: {}", error_text(e)))
 }
 
 /// A system error without numbers.

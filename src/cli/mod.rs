@@ -1,5 +1,7 @@
 //! Arguments to verbs, and verbs to exit codes.
 
+mod aov;
+mod batch;
 mod bench;
 mod bench_calibrate;
 mod bench_cold;
@@ -8,7 +10,9 @@ mod bench_page;
 mod bench_paper;
 mod bench_patches;
 mod bench_scale;
+mod compare;
 mod displace;
+mod examples;
 mod exit;
 mod flags;
 mod info;
@@ -18,6 +22,9 @@ mod pn_tags;
 mod refine;
 mod render;
 mod stats;
+mod texts;
+mod turntable;
+mod views;
 mod watch;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -47,29 +54,58 @@ struct Cli {
 #[derive(Subcommand, Debug)]
 enum Verb {
     /// Draw models into a PNG picture
-    Render(render::Arguments),
+    #[command(after_long_help = examples::RENDER)]
+    Render(Box<render::Arguments>),
+    /// Draw a model that turns: numbered pictures, or one animated PNG
+    #[command(after_long_help = examples::TURNTABLE)]
+    Turntable(Box<turntable::Arguments>),
     /// Write the refined mesh as OBJ or PLY
+    #[command(after_long_help = examples::REFINE)]
     Refine(refine::Arguments),
     /// Say what is in a model, and what was defaulted
+    #[command(after_long_help = examples::INFO)]
     Info(info::Arguments),
+    /// Compare pictures with golden ones, or folders of them
+    #[command(after_long_help = examples::COMPARE)]
+    Compare(compare::Arguments),
+    /// Run many commands in one process
+    #[command(after_long_help = examples::BATCH)]
+    Batch(batch::Arguments),
     /// Measure on this machine, in process and without output files
+    #[command(after_long_help = examples::BENCH)]
     Bench(bench::Arguments),
+    /// Print a script that completes commands in a shell
+    #[command(after_long_help = examples::COMPLETIONS)]
+    Completions(texts::Completions),
+    /// Print a manual page (roff)
+    #[command(after_long_help = examples::MAN)]
+    Man(texts::Manual),
 }
 
 impl Verb {
-    fn running(&self) -> &RunningFlags {
+    /// Flags of verbs that do work; the others print a text.
+    fn running(&self) -> Option<&RunningFlags> {
         match self {
-            Self::Render(a) => &a.running,
-            Self::Refine(a) => &a.running,
-            Self::Info(a) => &a.running,
-            Self::Bench(a) => &a.running,
+            Self::Render(a) => Some(&a.running),
+            Self::Turntable(a) => Some(&a.render.running),
+            Self::Refine(a) => Some(&a.running),
+            Self::Info(a) => Some(&a.running),
+            Self::Compare(a) => Some(a.running()),
+            Self::Batch(a) => Some(&a.running),
+            Self::Bench(a) => Some(&a.running),
+            Self::Completions(_) | Self::Man(_) => None,
         }
     }
     fn run(&self, job: &mut Job) -> Result<(), Failure> {
         match self {
+            Self::Completions(a) => texts::completions(a, command()),
+            Self::Man(a) => texts::manual(a, command()),
             Self::Render(a) => render::run(job, a),
+            Self::Turntable(a) => turntable::run(job, a),
             Self::Refine(a) => refine::run(job, a),
             Self::Info(a) => info::run(job, a),
+            Self::Compare(a) => compare::run(job, a),
+            Self::Batch(a) => batch::run(job, a),
             Self::Bench(a) => bench::run(job, a),
         }
     }
@@ -81,12 +117,28 @@ pub(crate) fn main() -> ExitCode {
     let code = match parse() {
         Err(code) => code,
         Ok(cli) => {
-            let flags = cli.verb.running();
-            messages::init(flags.quiet, flags.verbose, flags.color);
+            if let Some(flags) = cli.verb.running() {
+                messages::init(flags.quiet, flags.verbose, flags.color);
+            }
             finish(guarded(|| run(start, &cli)))
         }
     };
     ExitCode::from(code.number())
+}
+
+/// The arguments with what clap's attributes cannot say.
+fn command() -> clap::Command {
+    Cli::command().mut_subcommand("turntable", |turntable| {
+        turntable
+            .mut_arg("output", |output| {
+                output
+                    .value_name("F_####.png")
+                    .help("Pictures to write (.png): # stand for the digits of the frame's number; without # one animated PNG, and - is standard output")
+            })
+            .mut_arg("aov", |a| a.hide(true))
+            .mut_arg("views", |a| a.hide(true))
+            .mut_arg("eye", |a| a.hide(true))
+    })
 }
 
 /// One message and the code. Signals and the deadline have no say from here on.
@@ -96,14 +148,18 @@ fn finish(result: Result<(), Failure>) -> Code {
         Ok(()) => Code::Done,
         Err(failure) => {
             watch::settle_late();
-            messages::error(&failure.message);
+            // Of a difference all was said on standard output.
+            if !failure.message.is_empty() {
+                messages::error(&failure.message);
+            }
             failure.code
         }
     }
 }
 
 fn run(start: Instant, cli: &Cli) -> Result<(), Failure> {
-    let mut job = Job::new(start, cli.verb.running())?;
+    let plain = RunningFlags::default();
+    let mut job = Job::new(start, cli.verb.running().unwrap_or(&plain))?;
     job.watch();
     let pool = job.pool()?;
     pool.install(|| cli.verb.run(&mut job))
@@ -145,7 +201,7 @@ fn parse() -> Result<Cli, Code> {
         Some(When::Never) => clap::ColorChoice::Never,
         _ => clap::ColorChoice::Auto,
     };
-    let error = match Cli::command().color(color).try_get_matches_from(arguments) {
+    let error = match command().color(color).try_get_matches_from(arguments) {
         Ok(matches) => match Cli::from_arg_matches(&matches) {
             Ok(cli) => return Ok(cli),
             Err(e) => e,
@@ -187,6 +243,6 @@ mod tests {
 
     #[test]
     fn the_command_is_consistent() {
-        Cli::command().debug_assert();
+        command().debug_assert();
     }
 }

@@ -1,16 +1,20 @@
 //! `earmark render`.
 
+use super::aov::{self, AovFlag};
 use super::displace::DisplaceFlags;
 use super::exit::Failure;
 use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
 use super::job::{Job, Output, commit_all, model_names};
 use super::messages::{note, warning};
-use super::stats::{Clock, Json, frame_stages};
+use super::stats::{Clock, Json, Time, frame_stages};
+use super::views::{self, ViewName};
 use super::watch::{self, Phase};
 use clap::Args;
-use earmark::camera::Sphere;
+use earmark::camera::{Sphere, View};
 use earmark::film::Image;
-use earmark::frame::{Drawing, FrameStats, Refinement};
+use earmark::frame::{
+    Aov, Drawing, Finished, FrameStats, Plane, Refinement, RenderError, Renderer,
+};
 use earmark::limits::Limits;
 use earmark::records::ScreenSize;
 use earmark::shade::{Relief, SurfaceMaterial};
@@ -37,6 +41,23 @@ pub(crate) struct Arguments {
     pub(crate) displace: DisplaceFlags,
     #[command(flatten)]
     pub(crate) picture: PictureFlags,
+    /// Write a further picture (.png) of the same frame; may be repeated. `depth`: grey of 16 bits, linear along the view axis from near, 0,
+    /// to far, 65534, and 65535 for nothing. `normal`: as --shade normals. `position`, `uv`: RGB of 16 bits over a range. `albedo`: colour
+    /// without light. `face`: number of the cage's face plus 1 in 24 bits. `level`: level plus 1. `coverage`: share of the samples in
+    /// 255ths. All but coverage show the sample nearest to the pixel's centre, never an average; near, far and ranges are in text chunks of
+    /// the file [default: none]
+    #[arg(long, value_name = "NAME=PATH", value_parser = aov::parse, help_heading = "Picture")]
+    pub(crate) aov: Vec<AovFlag>,
+    /// Views in one picture with captions, each of --size, with commas between them; several models are framed one by one, a row each
+    /// [default: one view, all models together]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "VIEW,…",
+        value_delimiter = ',',
+        help_heading = "Picture"
+    )]
+    pub(crate) views: Vec<ViewName>,
     #[command(flatten)]
     pub(crate) running: RunningFlags,
 }
@@ -58,26 +79,45 @@ pub(crate) fn check_models(models: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where the picture and the statistics go.
-fn outputs(a: &Arguments) -> Result<(Output, Option<Output>), Failure> {
+/// Everything that is read.
+pub(crate) fn inputs(a: &Arguments) -> Vec<&Path> {
     let mut inputs = input_paths(&a.models);
     inputs.extend(a.picture.color_map.as_deref());
     inputs.extend(a.picture.normal_map.as_deref());
     inputs.extend(a.displace.displace.as_deref());
     inputs.extend(a.level.pn_tags.as_deref());
     inputs.extend(a.level.tag_file());
+    inputs
+}
+
+/// Where the picture, what is beside it, and the statistics go.
+struct Outputs {
+    picture: Output,
+    aovs: Vec<Output>,
+    stats: Option<Output>,
+}
+
+fn outputs(a: &Arguments) -> Result<Outputs, Failure> {
+    let inputs = inputs(a);
     let picture = Output::checked(&a.output, &["png", "svg"], &inputs)?;
-    if is_svg(&a.output) && a.picture.shade != Shade::Wireframe {
+    if is_svg(&a.output) && (a.picture.shade != Shade::Wireframe || !a.views.is_empty()) {
         return Err(Failure::usage(format!(
-            "{}: an SVG holds lines alone; draw it with --shade wireframe",
+            "{}: an SVG holds the lines of one picture alone; draw it with --shade wireframe",
             a.output.display()
         )));
     }
-    let Some(stats) = &a.running.stats else {
-        return Ok((picture, None));
+    let mut others = vec![a.output.as_path()];
+    others.extend(a.running.stats.as_deref());
+    let aovs = aov::outputs(&a.aov, &inputs, &others)?;
+    let stats = match &a.running.stats {
+        Some(stats) => Some(stats_output(stats, &a.output, &inputs)?),
+        None => None,
     };
-    let stats = stats_output(stats, &a.output, &inputs)?;
-    Ok((picture, Some(stats)))
+    Ok(Outputs {
+        picture,
+        aovs,
+        stats,
+    })
 }
 
 /// Whether a path ends as line work does.
@@ -184,9 +224,9 @@ fn apply_color_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Fail
     Ok(())
 }
 
-/// The models of the arguments, coloured.
-fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
-    let mut scene = job.load(&a.models, &a.model, &a.level)?;
+/// Models, coloured and displaced as the arguments say.
+pub(crate) fn scene(job: &mut Job, a: &Arguments, models: &[PathBuf]) -> Result<Scene, Failure> {
+    let mut scene = job.load(models, &a.model, &a.level)?;
     job.read_depth_tags(&mut scene, &a.level)?;
     if let Some(path) = &a.picture.color_map {
         job.time("read", |job| apply_color_map(job, &mut scene, path))?;
@@ -195,117 +235,204 @@ fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
         job.time("read", |job| apply_normal_map(job, &mut scene, path))?;
     }
     job.time("read", |job| a.displace.apply(job, &mut scene))?;
+    let has_uvs = scene.objects.iter().any(|o| o.surface.has_uvs());
+    let maps = a.picture.color_map.is_some() || a.picture.normal_map.is_some();
+    let outputs = a.aov.iter().any(|f| f.aov == Aov::Uv);
+    if !has_uvs && (maps || outputs || a.picture.shade == Shade::Uv) {
+        warning("no model has texture coordinates");
+    }
     Ok(scene)
 }
 
-/// What a run draws.
-struct Drawn {
-    image: Image,
-    stats: FrameStats,
-    lines: Option<overlay::LineArt>,
-}
-
-/// Draws the models of the arguments, with all warnings said.
-fn draw(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
-    let scene = scene(job, a)?;
-    let has_uvs = scene.objects.iter().any(|o| o.surface.has_uvs());
-    let maps = a.picture.color_map.is_some() || a.picture.normal_map.is_some();
-    if !has_uvs && (maps || a.picture.shade == Shade::Uv) {
-        warning("no model has texture coordinates");
-    }
-    watch::phase(Phase::Rendering);
+/// A renderer within the limits of now.
+pub(crate) fn renderer(job: &Job, a: &Arguments) -> Renderer {
     let mut renderer = a.picture.renderer(&a.level);
     renderer.simd = job.simd;
+    renderer.aovs = a.aov.iter().map(|f| f.aov).collect();
     renderer.measure = job.running.stats.is_some() || super::messages::is_verbose();
     renderer.limits = job.limits();
-    let mut camera = a.picture.camera();
-    if let Some(first) = scene.objects.first() {
-        camera = camera.relative_to(first.surface.cage().origin());
-    }
-    let view = renderer.view(&scene, &camera)?;
-    if view.up_replaced {
-        warning("--up is parallel to the direction of view; another direction points up");
-    }
-    let clock = Clock::now();
-    let mut drawn = match a.picture.shade {
-        Shade::Wireframe => Drawn {
-            image: Image::filled(a.picture.size, renderer.background),
-            stats: FrameStats::default(),
-            lines: None,
-        },
-        _ => {
-            let frame = renderer.render_view(&scene, &view)?;
-            let stages = frame_stages(&frame.stats, clock.elapsed().cpu);
-            job.stages.0.extend(stages.0);
-            Drawn {
-                image: frame.image,
-                stats: frame.stats,
-                lines: None,
-            }
-        }
-    };
-    if let Some(options) = a.picture.line_work() {
-        renderer.limits = job.limits();
-        job.time("overlay", |_| {
-            let art = overlay::trace(&renderer, &scene, &view, &options)?;
-            if a.picture.shade == Shade::Wireframe {
-                drawn.stats = art.stats.clone();
-            }
-            if let Refinement::Uniform(level) = renderer.refinement
-                && let Some(traced) = art.stats.levels.iter().find(|&&l| l < level)
-            {
-                note(&format!(
-                    "edges of level {level} are closer than lines can be; lines are those of level {traced}"
-                ));
-            }
-            if !is_svg(&a.output) {
-                art.draw(&mut drawn.image);
-            }
-            drawn.lines = Some(art);
-            Ok::<(), Failure>(())
-        })?;
-    }
-    if drawn.stats.pixels_covered == 0 {
-        warning(
-            "no pixel is covered: the model is outside of the view, smaller than a pixel, or has no faces to draw",
-        );
-    }
-    Ok(drawn)
+    renderer
 }
 
-pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
+/// The camera of the arguments in the coordinates of a scene.
+pub(crate) fn camera(a: &Arguments, scene: &Scene) -> Camera {
+    a.picture.camera().relative_to(origin(scene))
+}
+
+/// Where the origin of a scene's coordinates is in its files.
+fn origin(scene: &Scene) -> [f64; 3] {
+    let first = scene.objects.first();
+    first.map_or([0.0; 3], |o| o.surface.cage().origin())
+}
+
+/// A frame with the lines over it.
+pub(crate) struct Lined {
+    pub(crate) frame: Finished,
+    pub(crate) lines: Option<overlay::LineArt>,
+    /// What the lines took.
+    pub(crate) overlay: Time,
+}
+
+/// Draws a frame and its line work; line work alone is drawn on the background.
+pub(crate) fn lined(
+    renderer: &Renderer,
+    scene: &Scene,
+    camera: &Camera,
+    picture: &PictureFlags,
+) -> Result<Lined, RenderError> {
+    let view = renderer.view(scene, camera)?;
+    let alone = picture.shade == Shade::Wireframe;
+    let mut frame = if alone && renderer.aovs.is_empty() {
+        Finished {
+            image: Image::new(0, 0),
+            planes: Vec::new(),
+            stats: FrameStats::default(),
+            view,
+        }
+    } else {
+        renderer.render_view(scene, &view)?
+    };
+    if alone {
+        frame.image = Image::filled(picture.size, renderer.background);
+    }
+    let clock = Clock::now();
+    let lines = match picture.line_work() {
+        Some(options) => {
+            let art = overlay::trace(renderer, scene, &view, &options)?;
+            art.draw(&mut frame.image);
+            if alone {
+                frame.stats = art.stats.clone();
+            }
+            Some(art)
+        }
+        None => None,
+    };
+    Ok(Lined {
+        frame,
+        lines,
+        overlay: clock.elapsed(),
+    })
+}
+
+/// Draws a frame of the arguments, with what is to be said about it.
+pub(crate) fn draw(
+    job: &mut Job,
+    renderer: &Renderer,
+    scene: &Scene,
+    camera: &Camera,
+    picture: &PictureFlags,
+) -> Result<Lined, Failure> {
+    watch::phase(Phase::Rendering);
+    let clock = Clock::now();
+    let lined = lined(renderer, scene, camera, picture)?;
+    let cpu = clock.elapsed().cpu - lined.overlay.cpu;
+    for (name, time) in frame_stages(&lined.frame.stats, cpu).0 {
+        job.stages.add(name, time);
+    }
+    if let Some(art) = &lined.lines {
+        job.stages.add("overlay", lined.overlay);
+        if let Refinement::Uniform(level) = renderer.refinement
+            && let Some(traced) = art.stats.levels.iter().find(|&&l| l < level)
+        {
+            note(&format!(
+                "edges of level {level} are closer than lines can be; lines are those of level {traced}"
+            ));
+        }
+    }
+    if lined.frame.view.up_replaced {
+        warning("--up is parallel to the direction of view; another direction points up");
+    }
+    Ok(lined)
+}
+
+pub(crate) fn warn_empty() {
+    warning(
+        "no pixel is covered: the model is outside of the view, smaller than a pixel, or has no faces to draw",
+    );
+}
+
+/// A picture with all that is known of it.
+pub(crate) struct Drawn {
+    pub(crate) image: Image,
+    /// Line work, as an SVG has it; none of a sheet.
+    pub(crate) lines: Option<overlay::LineArt>,
+    pub(crate) planes: Vec<Plane>,
+    pub(crate) stats: FrameStats,
+    /// The view, and the origin of its coordinates; none of a sheet.
+    pub(crate) seen: Option<(View, [f64; 3])>,
+}
+
+/// Draws the models of the arguments together.
+fn single(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
+    let scene = scene(job, a, &a.models)?;
+    let renderer = renderer(job, a);
+    let Lined { frame, lines, .. } = draw(job, &renderer, &scene, &camera(a, &scene), &a.picture)?;
+    if frame.stats.pixels_covered == 0 {
+        warn_empty();
+    }
+    Ok(Drawn {
+        image: frame.image,
+        lines,
+        planes: frame.planes,
+        stats: frame.stats,
+        seen: Some((frame.view, origin(&scene))),
+    })
+}
+
+/// What can be seen to be impossible in the arguments alone.
+pub(crate) fn check(a: &Arguments) -> Result<(), Failure> {
     check_models(&a.models)?;
     if a.displace.is_on() && a.level.drawing() == Drawing::Cage {
         return Err(Failure::usage(
             "--surface cage shows the polygons as they are: nothing is displaced",
         ));
     }
-    let (picture, stats) = outputs(a)?;
+    Ok(())
+}
+
+pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
+    check(a)?;
+    let outputs = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.
-    check_picture(&a.picture, &job.limits(), 13)?;
-    let frame = draw(job, a)?;
+    let beside: usize = a.aov.iter().map(|f| 2 * f.aov.pixel_bytes()).sum();
+    check_picture(&a.picture, &job.limits(), 13 + beside as u128)?;
+    let drawn = match a.views.is_empty() {
+        true => single(job, a)?,
+        false => {
+            views::check(job, a)?;
+            views::draw(job, a)?
+        }
+    };
     watch::phase(Phase::Writing);
     job.limits().check()?;
-    let mut staged = vec![job.time("write", |_| match &frame.lines {
+    let mut staged = vec![job.time("write", |_| match &drawn.lines {
         Some(art) if is_svg(&a.output) => {
             let document = art.to_svg(a.picture.background);
-            picture.stage(document.as_bytes())
+            outputs.picture.stage(document.as_bytes())
         }
-        _ => picture.stage(&film::png::encode(&frame.image)?),
+        _ => outputs.picture.stage(&film::png::encode(&drawn.image)?),
     })?];
+    if let Some((view, origin)) = &drawn.seen {
+        let files = aov::stage(job, &drawn.planes, &outputs.aovs, view, *origin)?;
+        staged.extend(files);
+    }
+    let done = &drawn.stats;
     note(&format!(
         "{} micro-triangles, levels {:?}, {} pixels covered, {:.0} ms",
-        frame.stats.microtriangles,
-        frame.stats.levels,
-        frame.stats.pixels_covered,
+        done.microtriangles,
+        done.levels,
+        done.pixels_covered,
         job.start.elapsed().as_secs_f64() * 1e3
     ));
-    if let Some(stats) = stats {
-        let middle = vec![
-            ("faces", Json::Whole(frame.stats.faces)),
-            ("microtriangles", Json::Whole(frame.stats.microtriangles)),
-            ("pixels_covered", Json::Whole(frame.stats.pixels_covered)),
+    if let Some(stats) = outputs.stats {
+        let mut middle = vec![
+            ("faces", Json::Whole(done.faces)),
+            ("microtriangles", Json::Whole(done.microtriangles)),
+            ("pixels_covered", Json::Whole(done.pixels_covered)),
         ];
+        if let Some((view, origin)) = &drawn.seen {
+            middle.extend(aov::view_json(view, *origin));
+        }
         let report = Json::Object(job.report(model_names(&a.models), middle));
         staged.push(stats.stage(format!("{report}\n").as_bytes())?);
     }

@@ -31,15 +31,39 @@ pub(crate) enum Phase {
     Refining,
     Writing,
     Measuring,
+    Comparing,
+    Turning,
 }
 
-const PHASES: [&str; 5] = ["reading", "rendering", "refining", "writing", "measuring"];
+const PHASES: [&str; 7] = [
+    "reading",
+    "rendering",
+    "refining",
+    "writing",
+    "measuring",
+    "comparing",
+    "frame",
+];
 
 static ENDED: AtomicBool = AtomicBool::new(false);
 /// It was the work that ended it.
 static SETTLED: AtomicBool = AtomicBool::new(false);
 static SIGNAL: AtomicUsize = AtomicUsize::new(0);
 static PHASE: AtomicU8 = AtomicU8::new(0);
+
+/// Which job of how many runs now; none of 0 outside of a batch.
+static JOBS: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
+
+/// A job of a batch begins: its outputs appear as they are done, and signals and the deadline are heard all the same.
+pub(crate) fn begin_job(number: usize, of: usize) {
+    JOBS[0].store(number, Ordering::Relaxed);
+    JOBS[1].store(of, Ordering::SeqCst);
+}
+
+/// The last job has ended.
+pub(crate) fn end_jobs() {
+    begin_job(0, 0);
+}
 
 pub(crate) fn phase(phase: Phase) {
     PHASE.store(phase as u8, Ordering::Relaxed);
@@ -60,6 +84,9 @@ fn claim() -> bool {
 
 /// From here on the work ends as it ends: no signal and no deadline changes it any more. Does not return if they were first.
 pub(crate) fn settle() {
+    if JOBS[1].load(Ordering::SeqCst) > 0 {
+        return;
+    }
     if !claim() {
         loop {
             std::thread::park();
@@ -141,9 +168,17 @@ impl Watch {
     fn line(&self, now: Instant) -> String {
         let phase = PHASES[usize::from(PHASE.load(Ordering::Relaxed)) % PHASES.len()];
         let seconds = (now - self.start).as_secs_f64();
+        let [job, jobs] = [0, 1].map(|k| JOBS[k].load(Ordering::Relaxed));
+        if jobs > 0 {
+            return format!("job {job} of {jobs}: {phase}, {seconds:.1} s");
+        }
         match self.progress.get() {
-            (done, total) if phase == "rendering" && total > 0 => {
+            (done, total) if matches!(phase, "rendering" | "comparing") && total > 0 => {
                 format!("{phase} {} %, {seconds:.1} s", 100 * done / total)
+            }
+            (done, total) if phase == "frame" && total > 0 => {
+                let frame = (done + 1).min(total);
+                format!("{phase} {frame} of {total}, {seconds:.1} s")
             }
             _ => format!("{phase}, {seconds:.1} s"),
         }

@@ -59,6 +59,16 @@ impl AtomicFile {
         stored.map_err(|e| FileError::new(&self.named, What::System(e)))
     }
 
+    /// Writes bytes and puts them on disk.
+    ///
+    /// # Errors
+    /// [`FileError`] when they cannot be stored.
+    pub fn store(&mut self, bytes: &[u8]) -> Result<(), FileError> {
+        let written = self.file.write_all(bytes);
+        written.map_err(|e| FileError::new(&self.named, What::System(e)))?;
+        self.sync()
+    }
+
     /// Makes the output appear, complete and on disk.
     ///
     /// # Errors
@@ -151,6 +161,26 @@ pub fn check_output(path: &Path) -> Result<(), FileError> {
         return Err(error(What::Wrong("a part of the path is not a folder")));
     }
     Ok(())
+}
+
+/// Makes a folder and those it is in, where they are missing.
+///
+/// # Errors
+/// [`FileError`] when that is not possible.
+pub fn make_folder(path: &Path) -> Result<(), FileError> {
+    fs::create_dir_all(path).map_err(|e| FileError::new(path, What::System(e)))
+}
+
+/// Removes a file, if it is there. Whether it was.
+///
+/// # Errors
+/// [`FileError`] when it is there and cannot be removed.
+pub fn remove(path: &Path) -> Result<bool, FileError> {
+    match fs::remove_file(path) {
+        Ok(()) => Ok(true),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(false),
+        Err(e) => Err(FileError::new(path, What::System(e))),
+    }
 }
 
 /// Writes an output file whole or not at all.

@@ -91,6 +91,36 @@ impl Image {
     }
 }
 
+/// A picture of RGBA pixels with 8 or 16 bits a channel, straight alpha, rows from the top: what comparisons work on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeepImage {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// 8 or 16.
+    pub bits: u32,
+    /// Four codes per pixel, 0 to 255 or to 65535.
+    pub data: Vec<u16>,
+}
+
+impl From<&Image> for DeepImage {
+    fn from(image: &Image) -> Self {
+        Self {
+            width: image.width,
+            height: image.height,
+            bits: 8,
+            data: image.data.iter().map(|&b| b.into()).collect(),
+        }
+    }
+}
+
+impl From<Image> for DeepImage {
+    fn from(image: Image) -> Self {
+        Self::from(&image)
+    }
+}
+
 /// How numbers become bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {

@@ -5,12 +5,12 @@
 //! less, the default level twenty times as long for a third less. The bytes depend on the pixels and on the version of the
 //! `png` package alone.
 
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
 
-use super::{Image, ReadError, WriteError};
+use super::{DeepImage, Image, ReadError, WriteError};
 
 /// Most bytes that [`decode`] allocates.
 const MAX_DECODED: u64 = 2 << 30;
@@ -70,6 +70,134 @@ pub fn encode_rgb16(width: u32, height: u32, values: &[u16]) -> Result<Vec<u8>, 
     )
 }
 
+/// PNG bytes of a picture with 8 or 16 bits a channel, with an alpha channel.
+///
+/// # Errors
+/// As [`encode`]. Of 8 bits, codes above 255 are written as 255.
+pub fn encode_deep(image: &DeepImage) -> Result<Vec<u8>, WriteError> {
+    let (width, height) = (image.width, image.height);
+    if image.bits > 8 {
+        let bytes = native_bytes(&image.data);
+        return write(&bytes, 8, width, height, ExtendedColorType::Rgba16);
+    }
+    let bytes: Vec<u8> = image.data.iter().map(|&c| c.min(255) as u8).collect();
+    write(&bytes, 4, width, height, ExtendedColorType::Rgba8)
+}
+
+/// PNG bytes of data as the file stores them: `format` is channels (1 grey, 3 RGB, 4 RGBA) and bits (8 or 16, the higher byte first).
+/// Every pair of a keyword and a text is a chunk of its own before the data.
+///
+/// # Errors
+/// As [`encode`]; also for keywords that PNG does not take.
+pub fn encode_data(
+    data: &[u8],
+    [width, height]: [u32; 2],
+    [channels, bits]: [u32; 2],
+    texts: &[(&str, String)],
+) -> Result<Vec<u8>, WriteError> {
+    let color = match channels {
+        1 => ::png::ColorType::Grayscale,
+        3 => ::png::ColorType::Rgb,
+        _ => ::png::ColorType::Rgba,
+    };
+    let wanted = width as usize * height as usize * color.samples() * (bits as usize / 8);
+    if data.len() != wanted {
+        let got = data.len();
+        return Err(WriteError::WrongLength { got, wanted });
+    }
+    let mut out = Vec::new();
+    let mut encoder = fast_encoder(&mut out, width, height);
+    encoder.set_color(color);
+    encoder.set_depth(match bits {
+        16 => ::png::BitDepth::Sixteen,
+        _ => ::png::BitDepth::Eight,
+    });
+    for (keyword, text) in texts {
+        encoder
+            .add_text_chunk((*keyword).to_owned(), text.clone())
+            .map_err(failed)?;
+    }
+    let mut writer = encoder.write_header().map_err(failed)?;
+    writer.write_image_data(data).map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    Ok(out)
+}
+
+fn failed(e: ::png::EncodingError) -> WriteError {
+    WriteError::Encoder(e.to_string())
+}
+
+/// The encoder with the settings of all pictures.
+fn fast_encoder<W: Write>(out: W, width: u32, height: u32) -> ::png::Encoder<'static, W> {
+    let mut encoder = ::png::Encoder::new(out, width, height);
+    encoder.set_compression(::png::Compression::Fast);
+    encoder.set_filter(::png::Filter::Paeth);
+    encoder
+}
+
+/// Frames that follow each other in one animated PNG, written as they come; viewers that do not know animations show the first.
+pub struct Animation<W: Write> {
+    writer: ::png::Writer<W>,
+    size: [u32; 2],
+}
+
+impl<W: Write> std::fmt::Debug for Animation<W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Animation({:?})", self.size)
+    }
+}
+
+impl<W: Write> Animation<W> {
+    /// Begins an animation of `frames` frames that is repeated without end, each shown for 1/`rate` second.
+    ///
+    /// # Errors
+    /// [`WriteError`] without frames, or when `out` fails.
+    pub fn begin(
+        out: W,
+        [width, height]: [u32; 2],
+        frames: u32,
+        rate: u16,
+    ) -> Result<Self, WriteError> {
+        if width == 0 || height == 0 {
+            return Err(WriteError::Size { width, height });
+        }
+        let mut encoder = fast_encoder(out, width, height);
+        encoder.set_color(::png::ColorType::Rgba);
+        encoder.set_depth(::png::BitDepth::Eight);
+        encoder.set_animated(frames, 0).map_err(failed)?;
+        encoder.set_frame_delay(1, rate).map_err(failed)?;
+        // Frames replace what was there, transparent pixels too.
+        encoder
+            .set_blend_op(::png::BlendOp::Source)
+            .map_err(failed)?;
+        let writer = encoder.write_header().map_err(failed)?;
+        Ok(Self {
+            writer,
+            size: [width, height],
+        })
+    }
+
+    /// The next frame.
+    ///
+    /// # Errors
+    /// [`WriteError`] for a picture of another size, for more frames than announced, and when the output fails.
+    pub fn add(&mut self, image: &Image) -> Result<(), WriteError> {
+        let (width, height) = (image.width, image.height);
+        if [width, height] != self.size {
+            return Err(WriteError::Size { width, height });
+        }
+        self.writer.write_image_data(&image.data).map_err(failed)
+    }
+
+    /// Ends the animation.
+    ///
+    /// # Errors
+    /// [`WriteError`] for fewer frames than announced, and when the output fails.
+    pub fn finish(self) -> Result<(), WriteError> {
+        self.writer.finish().map_err(failed)
+    }
+}
+
 /// The encoder takes 16-bit values in the machine's own byte order.
 fn native_bytes(values: &[u16]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_ne_bytes()).collect()
@@ -103,12 +231,8 @@ fn write(
     Ok(out)
 }
 
-/// Reads a PNG of any colour type as 8-bit RGBA.
-///
-/// # Errors
-/// [`ReadError`] when the bytes are no PNG, are damaged, or need more than 2 GiB.
-pub fn decode(bytes: &[u8]) -> Result<Image, ReadError> {
-    let damaged = |e: image::ImageError| ReadError(e.to_string());
+/// Opens a PNG, unless it is damaged or needs more than 2 GiB.
+fn open(bytes: &[u8]) -> Result<PngDecoder<Cursor<&[u8]>>, ReadError> {
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED);
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
@@ -117,11 +241,58 @@ pub fn decode(bytes: &[u8]) -> Result<Image, ReadError> {
     {
         return Err(ReadError(format!("{width}x{height} pixels are too many")));
     }
+    Ok(decoder)
+}
+
+fn damaged(e: image::ImageError) -> ReadError {
+    ReadError(e.to_string())
+}
+
+/// Width and height of a PNG, from its head alone.
+///
+/// # Errors
+/// [`ReadError`] when the bytes are no PNG.
+pub fn size(bytes: &[u8]) -> Result<[u32; 2], ReadError> {
+    let (width, height) = open(bytes)?.dimensions();
+    Ok([width, height])
+}
+
+/// Reads a PNG of any colour type as 8-bit RGBA.
+///
+/// # Errors
+/// [`ReadError`] when the bytes are no PNG, are damaged, or need more than 2 GiB.
+pub fn decode(bytes: &[u8]) -> Result<Image, ReadError> {
+    let decoder = open(bytes)?;
+    let (width, height) = decoder.dimensions();
     let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     Ok(Image {
         width,
         height,
         data: picture.into_rgba8().into_raw(),
+    })
+}
+
+/// Reads a PNG of any colour type as RGBA, with 16 bits where the file has them. Of an animated PNG, its still picture.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_deep(bytes: &[u8]) -> Result<DeepImage, ReadError> {
+    let decoder = open(bytes)?;
+    let (width, height) = decoder.dimensions();
+    let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    let deep = picture.color().bytes_per_pixel() / picture.color().channel_count() > 1;
+    let (bits, data) = match deep {
+        true => (16, picture.into_rgba16().into_raw()),
+        false => {
+            let bytes = picture.into_rgba8().into_raw();
+            (8, bytes.into_iter().map(u16::from).collect())
+        }
+    };
+    Ok(DeepImage {
+        width,
+        height,
+        bits,
+        data,
     })
 }
 
@@ -159,6 +330,15 @@ mod tests {
         let rgb = encode_rgb16(15, 4, &values).expect("encodes");
         let back = image::load_from_memory(&rgb).expect("decodes");
         assert_eq!(back.as_rgb16().expect("16-bit RGB").as_raw(), &values);
+        let deep = decode_deep(&gray).expect("decodes");
+        assert_eq!((deep.width, deep.height, deep.bits), (15, 12, 16));
+        for (p, &v) in deep.data.chunks(4).zip(&values) {
+            assert_eq!(p, [v, v, v, 65535]);
+        }
+        let image = picture();
+        let shallow = decode_deep(&encode(&image).expect("encodes")).expect("decodes");
+        assert_eq!(shallow, DeepImage::from(&image));
+        assert_eq!(size(&gray).expect("a PNG"), [15, 12]);
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! Tiles are independent and each is drawn by one thread from its bin, whose items stand in ascending order. So the picture is the
 //! same for any number of threads. No thread waits for another but at the end of a stage.
 
+mod aov;
 #[doc(hidden)]
 pub mod coverage;
 mod cutout;
@@ -38,6 +39,7 @@ use rayon::prelude::*;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+pub use aov::{Aov, Plane};
 pub use scene::{Object, Scene};
 pub use source::Drawing;
 pub use stats::{FrameStats, Stage, StageTimes};
@@ -115,6 +117,8 @@ pub struct Renderer {
     /// Whether what lies behind drawn surfaces is left out before it is diced; never changes a pixel.
     #[doc(hidden)]
     pub leave_out: bool,
+    /// What is written beside the picture; never changes a pixel of it.
+    pub aovs: Vec<Aov>,
     /// Whether [`FrameStats::times`] is measured.
     pub measure: bool,
     /// Budgets.
@@ -157,6 +161,8 @@ impl ScratchPool {
 pub struct Finished {
     /// The picture.
     pub image: Image,
+    /// What was asked for beside it, in the order of [`Renderer::aovs`].
+    pub planes: Vec<Plane>,
     /// What it took.
     pub stats: FrameStats,
     /// The view that the camera came to.
@@ -185,6 +191,12 @@ pub enum RenderError {
         /// Samples per pixel.
         samples: u32,
     },
+    /// Numbers of faces do not fit into the `face` output.
+    #[error("the face output numbers {MOST_FACES} faces; the models have {faces}")]
+    FaceIds {
+        /// Faces of all models.
+        faces: usize,
+    },
     /// A level above 10.
     #[error("level {level} is above 10")]
     Level {
@@ -200,6 +212,8 @@ enum Use {
     /// Line work: one sample per pixel, and no level whose edges no line could tell apart.
     Lines,
 }
+/// Most faces whose numbers plus 1 fit into 24 bits.
+const MOST_FACES: usize = (1 << 24) - 2;
 
 /// One picture being drawn: what all tiles read.
 pub(crate) struct Frame<'a> {
@@ -215,6 +229,7 @@ pub(crate) struct Frame<'a> {
     simd: SimdLevel,
     leaves_out: bool,
     wants_uvs: bool,
+    wanted: aov::Wanted,
     /// Materials with their opacity, by which faces are cut out.
     materials: &'a [SurfaceMaterial],
     textures: &'a [Texture],
@@ -274,6 +289,7 @@ impl Renderer {
             background: [0; 4],
             simd: SimdLevel::detect(),
             leave_out: true,
+            aovs: Vec::new(),
             measure: false,
             limits: Limits::default(),
             decided_by: None,
@@ -297,7 +313,12 @@ impl Renderer {
     /// [`RenderError`] for sizes and cameras that give no picture.
     pub fn view(&self, scene: &Scene, camera: &Camera) -> Result<View, RenderError> {
         self.check_size()?;
-        let sphere = match self.drawing {
+        Ok(camera.framing(&self.sphere(scene), self.size)?)
+    }
+
+    /// A sphere around what is drawn.
+    fn sphere(&self, scene: &Scene) -> Sphere {
+        match self.drawing {
             Drawing::Cage => Sphere::of_points(scene.objects.iter().flat_map(|o| {
                 let cage = o.surface.cage();
                 cage.corner_vertices()
@@ -305,8 +326,24 @@ impl Renderer {
                     .map(|&v| cage.points()[v as usize])
             })),
             _ => scene.bounding_sphere(),
-        };
-        Ok(camera.framing(&sphere, self.size)?)
+        }
+    }
+
+    /// What is written beside the picture of a scene.
+    fn wanted(&self, scene: &Scene, view: &View) -> Result<aov::Wanted, RenderError> {
+        let mut wanted = aov::Wanted::new(&self.aovs, view, self.size.samples);
+        if wanted.wants(Aov::Position) {
+            wanted.set_sphere(&self.sphere(scene));
+        }
+        if wanted.wants(Aov::Uv) {
+            let cages = scene.objects.iter().map(|o| o.surface.cage());
+            wanted.set_uvs(cages.flat_map(|c| c.uvs.iter().copied()));
+        }
+        let faces = scene.face_count();
+        if wanted.wants(Aov::Face) && faces > MOST_FACES {
+            return Err(RenderError::FaceIds { faces });
+        }
+        Ok(wanted)
     }
 
     /// Draws `scene` through a view that is already resolved, for instance that of the frame before.
@@ -316,10 +353,11 @@ impl Renderer {
     pub fn render_view(&self, scene: &Scene, view: &View) -> Result<Finished, RenderError> {
         self.with_frame(scene, view, Use::Picture, |frame, mut stats| {
             let begin = Instant::now();
-            let image = self.tiles(frame, &mut stats)?;
+            let (image, planes) = self.tiles(frame, &mut stats)?;
             stats.wall[2] = begin.elapsed();
             Ok(Finished {
                 image,
+                planes,
                 stats,
                 view: *view,
             })
@@ -363,7 +401,10 @@ impl Renderer {
             Source::all(scene, self.drawing, &levels, tessellations, &mut budget)?;
         let microtriangles = sources.iter().map(Source::triangles).sum();
         self.limits.faces(u128::from(microtriangles) / 2)?;
-        budget.take("the picture", self.predicted_bytes(item_count), 0)?;
+        let wanted = self.wanted(scene, view)?;
+        let pixels = u128::from(self.size.width) * u128::from(self.size.height);
+        let bytes = self.predicted_bytes(item_count) + wanted.bytes(pixels);
+        budget.take("the picture", bytes, 0)?;
         // Opacity decides what is drawn; what is drawn is opaque.
         let solid: Vec<SurfaceMaterial> = scene
             .materials
@@ -392,6 +433,7 @@ impl Renderer {
             wants_uvs: self.mode == ShadeMode::Uv
                 || !scene.textures.is_empty()
                 || scene.objects.iter().any(Object::is_shaded_by_map),
+            wanted,
             materials: &scene.materials,
             textures: &scene.textures,
         };
@@ -555,13 +597,25 @@ impl Renderer {
         Ok(boxes)
     }
 
-    fn tiles(&self, frame: &Frame<'_>, stats: &mut FrameStats) -> Result<Image, LimitError> {
+    fn tiles(
+        &self,
+        frame: &Frame<'_>,
+        stats: &mut FrameStats,
+    ) -> Result<(Image, Vec<Plane>), LimitError> {
         self.limits.progress.begin(frame.grid.len() as u64);
         let mut image = Image::new(self.size.width, self.size.height);
         let (line, side) = (self.size.width as usize * 4, frame.grid.side() as usize);
         // Rows of tiles, each behind a lock that is held while a tile's pixels are copied in.
         let bands: Vec<Mutex<&mut [u8]>> =
             image.data.chunks_mut(line * side).map(Mutex::new).collect();
+        let mut planes = frame.wanted.planes(self.size.width, self.size.height);
+        let plane_bands: Vec<Vec<Mutex<&mut [u8]>>> = planes
+            .iter_mut()
+            .map(|p| {
+                let bytes = self.size.width as usize * p.aov.pixel_bytes() * side;
+                p.data.chunks_mut(bytes).map(Mutex::new).collect()
+            })
+            .collect();
         let (covered, times) = (0..frame.grid.len())
             .into_par_iter()
             .with_max_len(1)
@@ -579,6 +633,14 @@ impl Renderer {
                         to[at..at + row.len() * 4].copy_from_slice(row.as_flattened());
                     }
                 }
+                let wanted = frame.wanted.aovs.iter();
+                let outputs = wanted.zip(&plane_bands).zip(&scratch.planes.rows);
+                for ((aov, bands), rows) in outputs {
+                    if let Ok(mut band) = bands[tile / frame.grid.cols() as usize].lock() {
+                        let size = aov.pixel_bytes();
+                        aov::copy_rows(&mut band, rows, self.size.width, [x, width], size);
+                    }
+                }
                 scratch.times.stop(Stage::Film, clock);
                 let times = scratch.times;
                 self.scratch.give_back(scratch);
@@ -593,8 +655,9 @@ impl Renderer {
                 },
             )?;
         drop(bands);
+        drop(plane_bands);
         stats.pixels_covered += covered;
         stats.times.add(&times);
-        Ok(image)
+        Ok((image, planes))
     }
 }

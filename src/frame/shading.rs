@@ -4,12 +4,12 @@
 //! What most pictures are full of, opaque surfaces under light without textures, goes in lanes from the samples' ids to colours, or to
 //! bytes where a pixel has one sample. Everything else goes by [`SurfacePoint`]s.
 
-use super::Frame;
 use super::source::{Attributes, Source};
 use super::spot::{self, Listed, Quad, Spot};
 use super::stats::Stage;
 use super::tile::{Drawn, Scratch};
 use super::visible::Fragment;
+use super::{Frame, aov};
 use crate::dispatch;
 use crate::displace::Displacement;
 use crate::raster::{PairedBlock, ProjectedBlock, SampleLanes, project, sample_positions};
@@ -101,6 +101,9 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
             &mut s.footprint,
         );
     }
+    // Coordinates that only an output beside the picture wants must not change how the picture is shaded.
+    let has_uvs = s.attributes.has_uvs;
+    s.attributes.has_uvs &= frame.wants_uvs;
     let clock = s.times.lap(Stage::Dice, clock);
     (s.times).shift(Stage::Dice, Stage::Displace, s.source.take_displaced());
     let face = source.cage_face(local);
@@ -130,6 +133,10 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
         );
     } else {
         shade_points(frame, source, s, rank, template);
+    }
+    if !frame.wanted.aovs.is_empty() {
+        s.attributes.has_uvs = has_uvs;
+        aov::record(frame, source, s, rank, template);
     }
     s.times.stop(Stage::Shade, clock);
 }
@@ -348,7 +355,7 @@ fn shade_points(
 
 /// The surface at a sample of a block.
 #[inline]
-fn surface_point(
+pub(super) fn surface_point(
     frame: &Frame<'_>,
     source: &Source<'_>,
     (points, a, footprint): (&Grid3, &Attributes, &[f32]),

@@ -5,6 +5,7 @@
 //! the order, and ranks are given in (face, block) order before, so the picture is that of drawing everything.
 
 use super::Frame;
+use super::aov::{self, TilePlanes};
 use super::cutout::{Layers, draw_cutout};
 use super::shading::{self, Pixels, footprints};
 use super::source::{Attributes, Source, SourceScratch};
@@ -44,6 +45,7 @@ pub(super) struct Scratch {
     pub(super) surface: Vec<SurfacePoint>,
     pub(super) shaded: Vec<[f32; 4]>,
     pub(super) pixels: Pixels,
+    pub(super) planes: TilePlanes,
     pub(super) times: StageTimes,
     simd: Level,
 }
@@ -67,6 +69,7 @@ impl Scratch {
             surface: Vec::new(),
             shaded: Vec::new(),
             pixels: Pixels::default(),
+            planes: TilePlanes::default(),
             times: StageTimes::default(),
             simd,
         }
@@ -117,6 +120,7 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     let rect = frame.grid.rect(tile);
     let size = [rect[2], rect[3]];
     s.pixels.clear(size, frame.film.empty());
+    s.planes.clear(&frame.wanted, size);
     if !rasterise(frame, tile, rect, s) {
         return 0;
     }
@@ -133,6 +137,7 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     }
     s.visible
         .gather(frame.simd, &s.tile, s.drawn.len(), &s.reach);
+    aov::gather(frame, s);
     s.times.stop(Stage::Shade, clock);
     shading::shade(frame, s);
     let clock = s.times.start();
@@ -151,7 +156,7 @@ pub(super) fn rasterise(frame: &Frame<'_>, tile: usize, rect: [u32; 4], s: &mut 
     if items.is_empty() {
         return false;
     }
-    s.attributes.wants_uvs = frame.wants_uvs;
+    s.attributes.wants_uvs = frame.wants_uvs || frame.wanted.wants(aov::Aov::Uv);
     s.source.measure(s.times.on);
     if queue(frame, items, s) {
         for k in 0..s.queue.len() {

@@ -79,6 +79,28 @@ impl Visible {
     /// Collects and sorts what `tile` shows of `ranks` blocks. `reach` of a rank is how many micro-quads apart samples of a pixel may
     /// be, in either direction of the block, to be shaded together; without it every sample is a fragment.
     pub(super) fn gather(&mut self, simd: Level, tile: &Tile, ranks: usize, reach: &[u8]) {
+        self.begin(tile, ranks);
+        if tile.samples() == 1 {
+            dispatch!(simd, self.gather_single(tile));
+            return;
+        }
+        let count = self.find(tile, reach);
+        self.sort(count);
+    }
+
+    /// Collects and sorts one sample of every pixel that shows anything: the first in `order` that does. Its count is that of all samples
+    /// of the pixel that do.
+    pub(super) fn gather_nearest(&mut self, simd: Level, tile: &Tile, ranks: usize, order: &[u32]) {
+        self.begin(tile, ranks);
+        if tile.samples() == 1 {
+            dispatch!(simd, self.gather_single(tile));
+            return;
+        }
+        let count = self.find_nearest(tile, order);
+        self.sort(count);
+    }
+
+    fn begin(&mut self, tile: &Tile, ranks: usize) {
         let [width, height] = tile.size();
         let samples = tile.samples();
         self.starts.clear();
@@ -91,14 +113,13 @@ impl Visible {
         if self.order.len() < most {
             self.order.resize(most, Fragment::default());
         }
-        if samples == 1 {
-            dispatch!(simd, self.gather_single(tile));
-            return;
-        }
-        if self.found.len() < most {
+        if samples > 1 && self.found.len() < most {
             self.found.resize(most, Fragment::default());
         }
-        let count = self.find(tile, reach);
+    }
+
+    /// Puts what was found in the order of ranks.
+    fn sort(&mut self, count: usize) {
         self.add_up();
         // Neighbours are mostly of one block: its place in the order is kept while they are.
         let mut rank = usize::MAX;
@@ -196,6 +217,32 @@ impl Visible {
         self.pixels += u64::from(len);
     }
 
+    /// Several samples per pixel: the first in `order` that shows anything.
+    fn find_nearest(&mut self, tile: &Tile, order: &[u32]) -> usize {
+        let [width, height] = tile.size();
+        let mut count = 0;
+        for y in 0..height {
+            let rows: [&[_]; 16] = std::array::from_fn(|k| {
+                let sample = order.get(k).or(order.last()).copied().unwrap_or(0);
+                tile.row(y, sample)
+            });
+            let rows = &rows[..order.len().min(16)];
+            for x in 0..width {
+                let keys = rows.iter().map(|row| row[x as usize].0);
+                let hits = keys.clone().filter(|&k| k != 0).count() as u32;
+                let first = keys.zip(order).find(|(k, _)| *k != 0);
+                let Some((key, &sample)) = first else {
+                    continue;
+                };
+                let id = !(key as u32);
+                self.found[count] = Fragment::new(x, y, sample, hits, id);
+                self.starts[(id >> 11) as usize + 2] += 1;
+                count += 1;
+            }
+        }
+        count
+    }
+
     /// Several samples per pixel: those that are near the first of a fragment join it.
     fn find(&mut self, tile: &Tile, reach: &[u8]) -> usize {
         let [width, height] = tile.size();
@@ -274,6 +321,33 @@ mod tests {
             }
         }
         tile
+    }
+
+    #[test]
+    fn one_sample_counts_for_its_pixel() {
+        for (samples, order) in [(1, &[0][..]), (4, &[2, 0, 3, 1])] {
+            let tile = tile(samples);
+            let mut visible = Visible::default();
+            visible.gather_nearest(Level::detect(), &tile, 5, order);
+            let mut found = std::collections::BTreeMap::new();
+            for rank in 0..5 {
+                for f in visible.of_rank(rank) {
+                    assert_eq!(SampleId(f.id).rank() as usize, rank);
+                    assert!(found.insert((f.x(), f.y()), *f).is_none());
+                }
+            }
+            for (y, x) in (0..24).flat_map(|y| (0..40).map(move |x| (y, x))) {
+                let shows = |s: &&u32| tile.cell(x, y, **s).0 != 0;
+                let want = order.iter().find(shows);
+                let f = found.get(&(x, y));
+                assert_eq!(f.map(|f| f.sample()), want.copied());
+                if let Some(f) = f {
+                    assert_eq!(tile.cell(x, y, f.sample()).id(), Some(SampleId(f.id)));
+                    assert_eq!(f.count() as usize, order.iter().filter(shows).count());
+                }
+            }
+            assert!(found.len() > 600);
+        }
     }
 
     #[test]

@@ -134,6 +134,17 @@ impl<'a> Shader<'a> {
             .albedo(point, self.textures)
     }
 
+    /// Unit normal of a point with the relief of its material, not turned to the eye; zeros where there is none.
+    #[must_use]
+    #[inline]
+    pub fn normal(&self, point: &SurfacePoint) -> [f32; 3] {
+        let tilted = SurfacePoint {
+            normal: self.tilted(point, point.normal),
+            ..*point
+        };
+        tilted.unit_normal()
+    }
+
     /// The colour of a point, premultiplied. Finite and from 0 to 1 whatever the point holds.
     #[must_use]
     #[inline]
@@ -144,13 +155,7 @@ impl<'a> Shader<'a> {
                 let [r, g, b, a] = self.albedo(point);
                 return premultiply(self.lights.light(normal, geometric, to_eye, [r, g, b]), a);
             }
-            ShadeMode::Normals => {
-                let tilted = SurfacePoint {
-                    normal: self.tilted(point, point.normal),
-                    ..*point
-                };
-                tilted.unit_normal().map(|c| c * 0.5 + 0.5)
-            }
+            ShadeMode::Normals => self.normal(point).map(|c| c * 0.5 + 0.5),
             ShadeMode::Uv => match point.uv {
                 Some(uv) => {
                     let [u, v] = uv.map(|c| {
