@@ -175,7 +175,13 @@ pub fn text_width(text: &str, height: f32) -> f32 {
 }
 
 /// Draws a line of text from `at`, the left end of its base line.
-fn draw_text(sheet: &mut PixmapMut<'_>, text: &str, at: [f32; 2], height: f32, ink: [u8; 4]) {
+pub(crate) fn draw_text(
+    sheet: &mut PixmapMut<'_>,
+    text: &str,
+    at: [f32; 2],
+    height: f32,
+    ink: [u8; 4],
+) {
     let step = height / 6.0;
     let mut builder = PathBuilder::new();
     let mut x = at[0];

@@ -110,6 +110,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "window",
+        &["camera", "math", "records", "frame", "film", "sheet"],
+    ),
+    (
         "load",
         &[
             "files", "frame", "mesh", "patch", "shade", "surface", "texture", "topology", "limits",
@@ -122,7 +126,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
 const PACKAGES: &[(&str, &[&str])] = &[
     ("glam", &["math.rs", "camera.rs"]),
     ("tobj", &["mesh/mtl.rs"]),
-    ("tiny_skia", &["sheet.rs", "sheet/"]),
+    ("tiny_skia", &["sheet.rs", "sheet/", "window/hud.rs"]),
+    ("minifb", &["window/screen.rs"]),
     ("image", &["texture.rs", "film/"]),
 ];
 

@@ -14,6 +14,7 @@ mod pn_tags;
 mod refine;
 mod render;
 mod stats;
+mod view;
 mod watch;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -44,6 +45,8 @@ struct Cli {
 enum Verb {
     /// Draw models into a PNG picture
     Render(render::Arguments),
+    /// Show models in a window
+    View(view::Arguments),
     /// Write the refined mesh as OBJ or PLY
     Refine(refine::Arguments),
     /// Say what is in a model, and what was defaulted
@@ -56,6 +59,7 @@ impl Verb {
     fn running(&self) -> &RunningFlags {
         match self {
             Self::Render(a) => &a.running,
+            Self::View(a) => &a.running,
             Self::Refine(a) => &a.running,
             Self::Info(a) => &a.running,
             Self::Bench(a) => &a.running,
@@ -64,6 +68,7 @@ impl Verb {
     fn run(&self, job: &mut Job) -> Result<(), Failure> {
         match self {
             Self::Render(a) => render::run(job, a),
+            Self::View(a) => view::run(job, a),
             Self::Refine(a) => refine::run(job, a),
             Self::Info(a) => info::run(job, a),
             Self::Bench(a) => bench::run(job, a),
@@ -99,8 +104,17 @@ fn finish(result: Result<(), Failure>) -> Code {
 }
 
 fn run(start: Instant, cli: &Cli) -> Result<(), Failure> {
-    let mut job = Job::new(start, cli.verb.running())?;
+    let mut running = cli.verb.running().clone();
+    if matches!(cli.verb, Verb::View(_)) {
+        // The window shows what goes on.
+        running.progress = When::Never;
+    }
+    let mut job = Job::new(start, &running)?;
     job.watch();
+    if let Verb::View(a) = &cli.verb {
+        // A window belongs to the main thread; its pictures are drawn in a pool of their own.
+        return view::run(&mut job, a);
+    }
     let pool = job.pool()?;
     pool.install(|| cli.verb.run(&mut job))
 }
@@ -133,6 +147,11 @@ fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
     }
 }
 
+/// The command with all of its verbs.
+fn command() -> clap::Command {
+    Cli::command().mut_subcommand("view", view::adapted)
+}
+
 /// Arguments, or the code to end with after help or a usage error has been printed.
 fn parse() -> Result<Cli, Code> {
     let arguments: Vec<OsString> = std::env::args_os().collect();
@@ -141,7 +160,7 @@ fn parse() -> Result<Cli, Code> {
         Some(When::Never) => clap::ColorChoice::Never,
         _ => clap::ColorChoice::Auto,
     };
-    let error = match Cli::command().color(color).try_get_matches_from(arguments) {
+    let error = match command().color(color).try_get_matches_from(arguments) {
         Ok(matches) => match Cli::from_arg_matches(&matches) {
             Ok(cli) => return Ok(cli),
             Err(e) => e,
@@ -183,6 +202,6 @@ mod tests {
 
     #[test]
     fn the_command_is_consistent() {
-        Cli::command().debug_assert();
+        command().debug_assert();
     }
 }

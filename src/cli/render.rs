@@ -57,14 +57,22 @@ pub(crate) fn check_models(models: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The files that flags name.
+pub(crate) fn named_files(a: &Arguments) -> Vec<&Path> {
+    let maps = [
+        &a.picture.color_map,
+        &a.picture.normal_map,
+        &a.displace.displace,
+        &a.level.pn_tags,
+    ];
+    let maps = maps.into_iter().filter_map(Option::as_deref);
+    maps.chain(a.level.tag_file()).collect()
+}
+
 /// Where the picture and the statistics go.
 fn outputs(a: &Arguments) -> Result<(Output, Option<Output>), Failure> {
     let mut inputs = input_paths(&a.models);
-    inputs.extend(a.picture.color_map.as_deref());
-    inputs.extend(a.picture.normal_map.as_deref());
-    inputs.extend(a.displace.displace.as_deref());
-    inputs.extend(a.level.pn_tags.as_deref());
-    inputs.extend(a.level.tag_file());
+    inputs.extend(named_files(a));
     let picture = Output::checked(&a.output, &["png"], &inputs)?;
     let Some(stats) = &a.running.stats else {
         return Ok((picture, None));
@@ -172,7 +180,7 @@ fn apply_color_map(job: &Job, scene: &mut Scene, path: &Path) -> Result<(), Fail
 }
 
 /// The models of the arguments, coloured.
-fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
+pub(crate) fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
     let mut scene = job.load(&a.models, &a.model, &a.level)?;
     job.read_depth_tags(&mut scene, &a.level)?;
     if let Some(path) = &a.picture.color_map {
@@ -185,6 +193,35 @@ fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
+/// Draws a scene that was made of the same arguments; `sphere` is what the camera frames, where that is known.
+pub(crate) fn draw_scene(
+    job: &mut Job,
+    a: &Arguments,
+    scene: &Scene,
+    sphere: Option<&Sphere>,
+) -> Result<Finished, Failure> {
+    let mut renderer = a.picture.renderer(&a.level);
+    renderer.simd = job.simd;
+    renderer.measure = job.measure || super::messages::is_verbose();
+    renderer.limits = job.limits();
+    if let Some(kept) = &mut job.kept {
+        renderer.take_buffers(kept);
+    }
+    let mut camera = a.picture.camera();
+    if let Some(first) = scene.objects.first() {
+        camera = camera.relative_to(first.surface.cage().origin());
+    }
+    let frame = match sphere {
+        Some(sphere) => {
+            let view = camera.framing(sphere, renderer.size)?;
+            renderer.render_view(scene, &view)
+        }
+        None => renderer.render(scene, &camera),
+    };
+    job.kept = Some(renderer);
+    Ok(frame?)
+}
+
 /// Draws the models of the arguments, with all warnings said.
 fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
     let scene = scene(job, a)?;
@@ -194,16 +231,8 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
         warning("no model has texture coordinates");
     }
     watch::phase(Phase::Rendering);
-    let mut renderer = a.picture.renderer(&a.level);
-    renderer.simd = job.simd;
-    renderer.measure = job.running.stats.is_some() || super::messages::is_verbose();
-    renderer.limits = job.limits();
-    let mut camera = a.picture.camera();
-    if let Some(first) = scene.objects.first() {
-        camera = camera.relative_to(first.surface.cage().origin());
-    }
     let clock = Clock::now();
-    let frame = renderer.render(&scene, &camera)?;
+    let frame = draw_scene(job, a, &scene, None)?;
     let stages = frame_stages(&frame.stats, clock.elapsed().cpu);
     job.stages.0.extend(stages.0);
     if frame.view.up_replaced {
@@ -217,13 +246,19 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
     Ok(frame)
 }
 
-pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
-    check_models(&a.models)?;
-    if a.displace.is_on() && a.level.drawing() == Drawing::Cage {
+/// Refuses flags that contradict each other.
+pub(crate) fn check(displace: &DisplaceFlags, level: &LevelFlags) -> Result<(), Failure> {
+    if displace.is_on() && level.drawing() == Drawing::Cage {
         return Err(Failure::usage(
             "--surface cage shows the polygons as they are: nothing is displaced",
         ));
     }
+    Ok(())
+}
+
+pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
+    check_models(&a.models)?;
+    check(&a.displace, &a.level)?;
     let (picture, stats) = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.
     check_picture(&a.picture, &job.limits(), 13)?;

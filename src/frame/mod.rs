@@ -22,12 +22,12 @@ mod stats;
 mod tile;
 mod visible;
 
-use crate::camera::{Camera, CameraError, Sphere, View};
+use crate::camera::{Camera, CameraError, View};
 use crate::film::{Film, Image};
 use crate::limits::{Budget, LimitError, Limits};
 use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
-use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
+use crate::shade::{LightRig, ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
 use crate::surface::Surface;
 use crate::tessellate::patterns::Pool;
@@ -108,6 +108,8 @@ pub struct Renderer {
     pub mode: ShadeMode,
     /// Background, sRGB with straight alpha; transparent by default.
     pub background: [u8; 4],
+    /// Degrees by which the lights are turned ([`LightRig::turned`]); 0 by default.
+    pub light_turn: f64,
     /// Vector instructions; never changes a pixel.
     pub simd: SimdLevel,
     /// Whether what lies behind drawn surfaces is left out before it is diced; never changes a pixel.
@@ -260,6 +262,7 @@ impl Renderer {
             drawing: Drawing::Limit,
             mode: ShadeMode::Lit,
             background: [0; 4],
+            light_turn: 0.0,
             simd: SimdLevel::detect(),
             leave_out: true,
             measure: false,
@@ -276,17 +279,14 @@ impl Renderer {
     /// [`RenderError`].
     pub fn render(&self, scene: &Scene, camera: &Camera) -> Result<Finished, RenderError> {
         self.check_size()?;
-        let sphere = match self.drawing {
-            Drawing::Cage => Sphere::of_points(scene.objects.iter().flat_map(|o| {
-                let cage = o.surface.cage();
-                cage.corner_vertices()
-                    .iter()
-                    .map(|&v| cage.points()[v as usize])
-            })),
-            _ => scene.bounding_sphere(),
-        };
-        let view = camera.framing(&sphere, self.size)?;
+        let view = camera.framing(&scene.framed_sphere(self.drawing), self.size)?;
         self.render_view(scene, &view)
+    }
+
+    /// Takes the buffers of a renderer that has drawn before: fresh memory costs more than it looks like.
+    pub fn take_buffers(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.scratch, &mut other.scratch);
+        std::mem::swap(&mut self.patterns, &mut other.patterns);
     }
 
     /// Draws `scene` through a view that is already resolved, for instance that of the frame before.
@@ -346,7 +346,9 @@ impl Renderer {
                 ..*m
             })
             .collect();
-        let mut shader = Shader::new(self.mode, view, &solid, &scene.textures).with_simd(self.simd);
+        let mut shader = Shader::new(self.mode, view, &solid, &scene.textures)
+            .with_lights(LightRig::turned(view, self.light_turn))
+            .with_simd(self.simd);
         if let Some(material) = scene.default_material {
             shader = shader.with_default_material(material);
         }

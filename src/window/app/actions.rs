@@ -1,0 +1,193 @@
+//! What keys do, and the work that they start.
+
+use super::{App, Loading};
+use crate::window::changes::Changes;
+use crate::window::hud::{Theme, help};
+use crate::window::keys::Action;
+use crate::window::look::Look;
+use crate::window::studio::{Shown, Task, start_loading, start_saving};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+impl App {
+    /// Does what a key asks for.
+    pub(super) fn act(&mut self, action: Action, now: Instant) {
+        match action {
+            Action::Quit => self.done = true,
+            Action::Help => {
+                self.help = match self.help {
+                    Some(_) => None,
+                    None => Some(help()),
+                };
+                self.stale = true;
+            }
+            Action::Figures => {
+                self.figures = (self.figures + 1) % 3;
+                // Stages are timed only where they are shown.
+                self.change();
+            }
+            Action::Backdrop => {
+                self.theme = match self.theme == Theme::DARK {
+                    true => Theme::LIGHT,
+                    false => Theme::DARK,
+                };
+                self.change();
+            }
+            Action::Ortho => {
+                self.orbit.toggle_ortho();
+                self.change();
+            }
+            Action::LookFrom(azimuth, elevation) => {
+                self.orbit.look_from(azimuth.into(), elevation.into());
+                self.change();
+            }
+            Action::Reset => {
+                self.orbit.reset();
+                self.change();
+            }
+            Action::Turntable => {
+                self.turning = match self.turning {
+                    Some(_) => None,
+                    None => Some(now),
+                };
+                self.movement(now);
+            }
+            Action::Model(by) => {
+                let count = self.studio.models().len() as i32;
+                let from = self.loading.as_ref().map_or(self.model, |l| l.model);
+                let next = (from as i32 + by).rem_euclid(count.max(1)) as usize;
+                if count > 1 {
+                    let look = self.look.clone();
+                    self.load(next, look);
+                }
+            }
+            Action::Reload => {
+                let look = self.look.clone();
+                self.load(self.model, look);
+            }
+            Action::Print => {
+                let line = self.command_line();
+                self.studio.print(&line);
+                self.say("command line printed".into(), now);
+            }
+            Action::Save => self.save(now),
+            other => {
+                let mut look = self.look.clone();
+                let seen = self.stats.levels.iter().max().copied().unwrap_or(0);
+                if look.apply(other, seen) {
+                    self.take(look);
+                }
+            }
+        }
+    }
+
+    /// Goes over to other flags: at once, or as soon as the model is loaded with them.
+    fn take(&mut self, look: Look) {
+        let loaded_so = look.flags.of_model() == self.look.flags.of_model();
+        if loaded_so && self.shown.is_some() && self.loading.is_none() {
+            self.look = look;
+            self.fault = None;
+            self.quality.forget();
+            self.change();
+        } else {
+            let model = self.loading.as_ref().map_or(self.model, |l| l.model);
+            self.load(model, look);
+        }
+    }
+
+    pub(super) fn load(&mut self, model: usize, look: Look) {
+        if let Some(loading) = self.loading.take() {
+            loading.task.cancel();
+        }
+        self.loads += 1;
+        let task = Task::new(self.name(model));
+        let started = start_loading(
+            Arc::clone(&self.studio),
+            self.sender.clone(),
+            (model, look.flags.clone()),
+            (self.loads, task.clone()),
+        );
+        match started {
+            Err(e) => self.fault = Some(format!("no thread to load with: {}", e.kind())),
+            Ok(()) => {
+                self.loading = Some(Loading {
+                    task,
+                    number: self.loads,
+                    model,
+                    look,
+                });
+            }
+        }
+        self.stale = true;
+    }
+
+    pub(super) fn loaded(
+        &mut self,
+        loading: Loading,
+        result: Result<(Arc<Shown>, Vec<PathBuf>), String>,
+    ) {
+        self.stale = true;
+        match result {
+            Ok((shown, files)) => {
+                self.shown = Some(shown);
+                self.changes = Changes::of(files);
+                self.model = loading.model;
+                self.look = loading.look;
+                self.fault = None;
+                self.quality.forget();
+                self.change();
+            }
+            Err(why) => {
+                // What was there goes on being shown, and its files are watched until they can be read.
+                self.fault = Some(why);
+                if self.shown.is_none() {
+                    let file = self.studio.models().get(loading.model).map(PathBuf::from);
+                    self.changes = Changes::of(file);
+                    self.model = loading.model;
+                }
+            }
+        }
+    }
+
+    /// The path that the picture is written to: the model's name, or with the first number that is free.
+    fn picture_path(&self) -> String {
+        let name = PathBuf::from(self.name(self.model));
+        let stem = name.file_stem().map(|s| s.to_string_lossy().into_owned());
+        let stem = stem.filter(|s| !s.starts_with('-'));
+        let stem = stem.unwrap_or_else(|| "picture".into());
+        let free = |path: &String| !PathBuf::from(path).exists();
+        let first = format!("{stem}.png");
+        let others = (2..10_000).map(|k| format!("{stem}-{k}.png"));
+        std::iter::once(first)
+            .chain(others)
+            .find(free)
+            .unwrap_or_default()
+    }
+
+    fn command_line(&self) -> String {
+        let path = self.picture_path();
+        self.studio.command(self.model, &self.flags(), &path)
+    }
+
+    fn save(&mut self, now: Instant) {
+        let Some(shown) = &self.shown else { return };
+        let path = self.picture_path();
+        let flags = self.flags();
+        let line = self.studio.command(self.model, &flags, &path);
+        let started = start_saving(
+            Arc::clone(&self.studio),
+            self.sender.clone(),
+            (self.model, flags),
+            (Arc::clone(shown), path.clone()),
+        );
+        match started {
+            Ok(()) => {
+                self.saving += 1;
+                self.studio.print(&line);
+                self.say(format!("writing {path}"), now);
+            }
+            Err(e) => self.fault = Some(format!("no thread to write with: {}", e.kind())),
+        }
+    }
+}
