@@ -47,6 +47,8 @@ pub(crate) struct Job {
     progress: Arc<Progress>,
     /// Whether frames are timed stage by stage.
     pub(crate) measure: bool,
+    /// Whether adaptive tessellation gives way to levels by the length of edges.
+    pub(crate) uniform: bool,
     /// What standard input held, where it was read before.
     pub(crate) stdin: Option<Arc<[u8]>>,
     /// A renderer that drew before, for its buffers.
@@ -73,6 +75,7 @@ impl Job {
             cancelled: Arc::default(),
             progress: Arc::default(),
             measure: running.stats.is_some(),
+            uniform: false,
             stdin: None,
             kept: None,
             named: Vec::new(),

@@ -204,6 +204,9 @@ pub(crate) fn draw_scene(
     renderer.simd = job.simd;
     renderer.measure = job.measure || super::messages::is_verbose();
     renderer.limits = job.limits();
+    if job.uniform {
+        renderer.refinement = renderer.refinement.without_flatness();
+    }
     if let Some(kept) = &mut job.kept {
         renderer.take_buffers(kept);
     }

@@ -47,6 +47,9 @@ pub(crate) fn adapted(command: Command) -> Command {
     command
         .mut_arg("size", |a| a.default_value("1280x720").help(size))
         .mut_arg("background", |a| a.help(backdrop))
+        .mut_arg("timeout", |a| {
+            a.help("Close the window after so many seconds, with exit code 5 [default: never]")
+        })
         .mut_arg("stats", |a: Arg| a.hide(true))
         .mut_arg("progress", |a: Arg| a.hide(true))
 }

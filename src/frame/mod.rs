@@ -69,6 +69,17 @@ pub enum Refinement {
 }
 
 impl Refinement {
+    /// The same, with levels by the length of edges in place of adaptive tessellation: for pictures that are seen for a moment.
+    #[must_use]
+    pub fn without_flatness(self) -> Self {
+        match self {
+            Self::Adaptive(Flatness { max_level, .. }) | Self::Default { max_level } => {
+                Self::ByEdgeLength { max_level }
+            }
+            other => other,
+        }
+    }
+
     /// What it is for a surface.
     fn of(self, surface: &Surface) -> Self {
         match self {

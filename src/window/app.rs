@@ -5,7 +5,7 @@ mod actions;
 mod compose;
 
 use super::canvas::Canvas;
-use super::changes::Changes;
+use super::changes::{Changes, Mark};
 use super::figures::Clock;
 use super::flags::Flags;
 use super::hud::{Content, Panel, Theme};
@@ -46,6 +46,8 @@ const STILL: Duration = Duration::from_millis(120);
 const MESSAGE: Duration = Duration::from_secs(4);
 /// When loading begins to be shown.
 const PATIENCE: Duration = Duration::from_millis(150);
+/// How often progress is drawn.
+const PROGRESS: Duration = Duration::from_millis(40);
 /// Degrees of the turntable in a second.
 const TURNTABLE: f64 = 30.0;
 /// Degrees that a notch of the wheel across turns by.
@@ -70,6 +72,8 @@ struct Loading {
     model: usize,
     /// The flags that the view will have.
     look: Look,
+    /// Its file, as it was before it was read.
+    file: (PathBuf, Mark),
 }
 
 /// A picture that is being drawn.
@@ -253,7 +257,11 @@ impl App {
                         Drag::Pan => self.orbit.pan(dragged.by, &pose),
                         Drag::Light => {
                             let side = f64::from(self.size[0].min(self.size[1]));
-                            self.look.turn_light(dragged.by[0] * 180.0 / side);
+                            let degrees = dragged.by[0] * 180.0 / side;
+                            self.look.turn_light(degrees);
+                            if let Some(loading) = &mut self.loading {
+                                loading.look.turn_light(degrees);
+                            }
                         }
                     }
                     self.movement(now);
@@ -360,6 +368,7 @@ impl App {
         }
         if let Some(loading) = &self.loading
             && now > loading.task.begun + PATIENCE
+            && self.presented.is_none_or(|p| now > p + PROGRESS)
         {
             self.stale = true;
         }
@@ -399,14 +408,15 @@ impl App {
         }
     }
 
-    /// How long the window may rest before it looks for input again.
+    /// How long the window may rest before it looks for input again: each look is a question to the display and its answer.
     pub(super) fn rest(&self, now: Instant) -> Duration {
-        // Looking costs a question to the display and its answer.
-        match self.moved {
-            _ if self.drags.is_on() || self.turning.is_some() => Duration::from_millis(1),
-            Some(moved) if now < moved + Duration::from_secs(2) => Duration::from_millis(2),
-            _ => Duration::from_millis(4),
-        }
+        let since = self.moved.map(|moved| now.saturating_duration_since(moved));
+        Duration::from_millis(match since.map(|s| s.as_secs()) {
+            _ if self.drags.is_on() || self.turning.is_some() => 1,
+            Some(0..2) => 2,
+            Some(2..30) => 4,
+            _ => 8,
+        })
     }
 }
 
@@ -421,3 +431,6 @@ impl Drop for App {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

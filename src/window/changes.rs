@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 const EVERY: Duration = Duration::from_millis(150);
 
 /// What tells one state of a file from another: when it was written, and how long it is. None where it is not there.
-type Mark = Option<(SystemTime, u64)>;
+pub(super) type Mark = Option<(SystemTime, u64)>;
 
 /// Some files, and how they were.
 #[derive(Clone, Debug, Default)]
@@ -18,7 +18,8 @@ pub(super) struct Changes {
     looked: Option<Instant>,
 }
 
-fn mark(path: &Path) -> Mark {
+/// The state of a file.
+pub(super) fn mark(path: &Path) -> Mark {
     let found = std::fs::metadata(path).ok()?;
     Some((found.modified().ok()?, found.len()))
 }
@@ -34,6 +35,13 @@ impl Changes {
         Self {
             files: files.collect(),
             ..Self::default()
+        }
+    }
+
+    /// A file was in that state when it was read: what changed since then is still to be seen.
+    pub(super) fn was(&mut self, path: &Path, mark: Mark) {
+        for file in self.files.iter_mut().filter(|f| f.0 == path) {
+            file.1 = mark;
         }
     }
 
@@ -100,6 +108,12 @@ mod tests {
         fs::write(&file, "1234").unwrap();
         assert!(!changes.seen(after(9)));
         assert!(changes.seen(after(10)));
+        // What changes between being read and being watched is seen too.
+        let read = mark(&file);
+        fs::write(&file, "12345").unwrap();
+        let mut changes = Changes::of([file.clone()]);
+        changes.was(&file, read);
+        assert!(!changes.seen(after(11)) && changes.seen(after(12)));
         fs::remove_dir_all(&folder).unwrap();
     }
 }

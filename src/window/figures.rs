@@ -79,7 +79,7 @@ pub(super) fn content(
     if draft.shrink > 1 {
         picture += &format!(", at 1/{}", draft.shrink);
     } else if clock.step > 0 {
-        picture += ", 1 sample";
+        picture += ", draft";
     }
     lines.push(ink(picture));
     let faces = count(stats.faces);

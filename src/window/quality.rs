@@ -11,11 +11,16 @@ pub struct Draft {
     pub samples: u32,
     /// Uniform levels that are left out.
     pub coarser: u32,
+    /// Whether adaptive tessellation gives way to a level by the length of edges: looking for what is flat takes longer than drawing it all.
+    pub uniform: bool,
 }
 
 impl Draft {
     /// Nothing is left out.
-    pub const FULL: Self = draft(1, 16, 0);
+    pub const FULL: Self = Self {
+        uniform: false,
+        ..draft(1, 16, 0)
+    };
 
     /// Size of the picture that stands for one of `size` pixels.
     #[must_use]
@@ -29,16 +34,18 @@ const fn draft(shrink: u32, samples: u32, coarser: u32) -> Draft {
         shrink,
         samples,
         coarser,
+        uniform: true,
     }
 }
 
-/// Drafts from the best to the fastest. Samples go first, because they are seen least in motion; levels last, because triangles then show.
+/// Drafts from the best to the fastest. Adaptive tessellation goes first, because nobody sees it go, then samples; levels last, because
+/// triangles then show.
 pub(super) const LADDER: [Draft; 8] = [
     Draft::FULL,
+    draft(1, 4, 0),
     draft(1, 1, 0),
     draft(2, 1, 0),
     draft(3, 1, 0),
-    draft(4, 1, 0),
     draft(4, 1, 1),
     draft(6, 1, 2),
     draft(8, 1, 3),
@@ -46,7 +53,7 @@ pub(super) const LADDER: [Draft; 8] = [
 
 /// Time of each draft relative to the full picture, for those not drawn yet. Where it is too low, the first frame of a drag is late; where it
 /// is too high, it is coarser than need be: either is mended with the next.
-const GUESS: [f64; LADDER.len()] = [1.0, 0.6, 0.3, 0.2, 0.15, 0.08, 0.05, 0.03];
+const GUESS: [f64; LADDER.len()] = [1.0, 0.5, 0.3, 0.18, 0.15, 0.1, 0.06, 0.04];
 /// Part of the budget that a better draft has to fit in before it is tried: a picture that changes its grain all the time is worse than a
 /// coarse one.
 const ROOM: f64 = 0.75;
@@ -164,8 +171,7 @@ mod tests {
         let times = [60.0, 40.0, 20.0, 14.0, 9.0, 5.0, 3.0, 2.0];
         let mut q = Quality::new(ms(16.0));
         q.drawn(0, ms(60.0));
-        // The first guess is already no full picture.
-        assert!(q.next() >= 2);
+        assert!(q.next() >= 2, "a guess is better than the full picture");
         let k = settled(&mut q, &times);
         assert!(times[k] <= 16.0 && times[k - 1] > 16.0, "{k}");
         assert!(q.is_slow(0) && !q.is_slow(k));
@@ -175,7 +181,8 @@ mod tests {
     fn where_nothing_fits_the_finest_of_the_fast_is_drawn() {
         let mut q = Quality::new(ms(16.0));
         let times = [900.0, 700.0, 500.0, 300.0, 200.0, 90.0, 80.0, 75.0];
-        assert_eq!(settled(&mut q, &times), 5);
+        // Whichever saves something over those before it.
+        assert!(times[settled(&mut q, &times)] <= 75.0 * AS_GOOD);
         // Coarser pictures save nothing.
         let mut q = Quality::new(ms(16.0));
         assert_eq!(settled(&mut q, &[200.0; LADDER.len()]), 0);
@@ -199,6 +206,6 @@ mod tests {
         for d in LADDER {
             assert!(d.size([1, 3]).iter().all(|&side| side >= 1));
         }
-        assert_eq!(LADDER[2].size([1280, 721]), [640, 361]);
+        assert_eq!(LADDER[3].size([1280, 721]), [640, 361]);
     }
 }

@@ -256,6 +256,7 @@ impl Studio for Viewer {
         at_draft(a, order, &order.draft);
         job.set_cancelled(&order.cancelled);
         job.measure = order.measure;
+        job.uniform = order.draft.uniform;
         let sphere = order.shown.sphere(&order.flags);
         let frame = render::draw_scene(job, a, &order.shown.scene, Some(sphere));
         (a.picture, a.level.level) = before;

@@ -1,7 +1,7 @@
 //! What keys do, and the work that they start.
 
 use super::{App, Loading};
-use crate::window::changes::Changes;
+use crate::window::changes::{Changes, mark};
 use crate::window::hud::{Theme, help};
 use crate::window::keys::Action;
 use crate::window::look::Look;
@@ -58,12 +58,12 @@ impl App {
                 let from = self.loading.as_ref().map_or(self.model, |l| l.model);
                 let next = (from as i32 + by).rem_euclid(count.max(1)) as usize;
                 if count > 1 {
-                    let look = self.look.clone();
+                    let look = self.next_look();
                     self.load(next, look);
                 }
             }
             Action::Reload => {
-                let look = self.look.clone();
+                let look = self.next_look();
                 self.load(self.model, look);
             }
             Action::Print => {
@@ -73,13 +73,21 @@ impl App {
             }
             Action::Save => self.save(now),
             other => {
-                let mut look = self.look.clone();
+                let mut look = self.next_look();
                 let seen = self.stats.levels.iter().max().copied().unwrap_or(0);
                 if look.apply(other, seen) {
                     self.take(look);
                 }
             }
         }
+    }
+
+    /// The flags that the view has, or will have as soon as the model is loaded with them.
+    pub(super) fn next_look(&self) -> Look {
+        self.loading
+            .as_ref()
+            .map_or(&self.look, |l| &l.look)
+            .clone()
     }
 
     /// Goes over to other flags: at once, or as soon as the model is loaded with them.
@@ -102,6 +110,9 @@ impl App {
         }
         self.loads += 1;
         let task = Task::new(self.name(model));
+        let path = self.studio.models().get(model).map(PathBuf::from);
+        let path = path.unwrap_or_default();
+        let file = (path.clone(), mark(&path));
         let started = start_loading(
             Arc::clone(&self.studio),
             self.sender.clone(),
@@ -116,6 +127,7 @@ impl App {
                     number: self.loads,
                     model,
                     look,
+                    file,
                 });
             }
         }
@@ -132,6 +144,7 @@ impl App {
             Ok((shown, files)) => {
                 self.shown = Some(shown);
                 self.changes = Changes::of(files);
+                self.changes.was(&loading.file.0, loading.file.1);
                 self.model = loading.model;
                 self.look = loading.look;
                 self.fault = None;
@@ -142,8 +155,9 @@ impl App {
                 // What was there goes on being shown, and its files are watched until they can be read.
                 self.fault = Some(why);
                 if self.shown.is_none() {
-                    let file = self.studio.models().get(loading.model).map(PathBuf::from);
-                    self.changes = Changes::of(file);
+                    let (path, mark) = loading.file;
+                    self.changes = Changes::of([path.clone()]);
+                    self.changes.was(&path, mark);
                     self.model = loading.model;
                 }
             }
