@@ -185,9 +185,16 @@ mod tests {
             let mut canvas = Canvas::default();
             canvas.fit(&ramp(small[0], small[1]), size);
             let at = |x: u32, y: u32| canvas.pixels[(y * size[0] + x) as usize];
+            // No step is larger than the ramp is steep, so nothing is taken from the nearest pixel alone.
+            let steepest = 255.0 / (size[0] as f32 - size[0] as f32 / small[0] as f32).max(1.0);
             for y in 0..size[1] {
                 for x in 1..size[0] {
-                    assert!(at(x, y) >> 16 >= at(x - 1, y) >> 16);
+                    let [left, right] = [x - 1, x].map(|x| at(x, y) >> 16);
+                    assert!(right >= left);
+                    assert!(
+                        (right - left) as f32 <= steepest + 1.5,
+                        "at {x}: {left} {right}"
+                    );
                 }
             }
             // The ends are those of the picture.

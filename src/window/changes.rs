@@ -13,8 +13,8 @@ pub(super) type Mark = Option<(SystemTime, u64)>;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changes {
     files: Vec<(PathBuf, Mark)>,
-    /// The state in which they were last seen, if that is another, and how long they have been in it.
-    since: Option<(Vec<Mark>, Instant)>,
+    /// The state in which they were last seen, if that is another.
+    last: Option<Vec<Mark>>,
     looked: Option<Instant>,
 }
 
@@ -53,30 +53,23 @@ impl Changes {
         self.looked = Some(now);
         let marks: Vec<Mark> = self.files.iter().map(|(f, _)| mark(f)).collect();
         if self.files.iter().map(|(_, m)| m).eq(&marks) {
-            self.since = None;
+            self.last = None;
             return false;
         }
-        match &self.since {
-            // A file that is away is about to come back: programs write another and rename it.
-            Some((last, begun)) if *last == marks && now >= *begun + EVERY => {
-                let there = marks
-                    .iter()
-                    .zip(&self.files)
-                    .all(|(m, f)| m.is_some() || f.1.is_none());
-                if there {
-                    for (file, mark) in self.files.iter_mut().zip(marks) {
-                        file.1 = mark;
-                    }
-                    self.since = None;
-                }
-                there
-            }
-            Some((last, _)) if *last == marks => false,
-            _ => {
-                self.since = Some((marks, now));
-                false
-            }
+        if self.last.as_ref() != Some(&marks) {
+            self.last = Some(marks);
+            return false;
         }
+        // A file that is away is about to come back: programs write another and rename it.
+        let mut pairs = marks.iter().zip(&self.files);
+        let there = pairs.all(|(m, f)| m.is_some() || f.1.is_none());
+        if there {
+            for (file, mark) in self.files.iter_mut().zip(marks) {
+                file.1 = mark;
+            }
+            self.last = None;
+        }
+        there
     }
 }
 

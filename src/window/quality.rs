@@ -183,9 +183,9 @@ mod tests {
         let times = [900.0, 700.0, 500.0, 300.0, 200.0, 90.0, 80.0, 75.0];
         // Whichever saves something over those before it.
         assert!(times[settled(&mut q, &times)] <= 75.0 * AS_GOOD);
-        // Coarser pictures save nothing.
+        // Coarser pictures save nothing, so few of them are drawn.
         let mut q = Quality::new(ms(16.0));
-        assert_eq!(settled(&mut q, &[200.0; LADDER.len()]), 0);
+        assert!(settled(&mut q, &[200.0; LADDER.len()]) <= 2);
     }
 
     #[test]

@@ -75,14 +75,17 @@ fn named(key: Key) -> Option<Press> {
 /// Whether a button that is released outside of the window is never heard of: there is no capture of the pointer.
 pub(super) const LOSES_RELEASES: bool = cfg!(windows);
 
-/// What a notch of the wheel is called, away from the user: the systems' units differ.
+/// What a notch of the wheel is called, away from the user: the systems' units differ. X11's wheel is a button, and the library counts it
+/// when it goes down and when it comes up.
 fn notch() -> f64 {
     if cfg!(windows) {
         12.0
     } else if cfg!(target_os = "linux") && std::env::var_os("WAYLAND_DISPLAY").is_some() {
         -10.0
-    } else {
+    } else if cfg!(target_os = "macos") {
         1.0
+    } else {
+        2.0
     }
 }
 

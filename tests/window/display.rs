@@ -124,7 +124,7 @@ impl Display {
             assert!(waited < Duration::from_secs(60), "nothing changed");
             std::thread::sleep(Duration::from_millis(20));
         }
-        self.settled(Duration::from_millis(400))
+        self.settled(super::STILL)
     }
 }
 
