@@ -46,6 +46,8 @@ const STILL: Duration = Duration::from_millis(120);
 const MESSAGE: Duration = Duration::from_secs(4);
 /// When loading begins to be shown.
 const PATIENCE: Duration = Duration::from_millis(150);
+/// How long a picture takes before it is said that it is being drawn.
+const LONG: Duration = Duration::from_millis(600);
 /// How often progress is drawn.
 const PROGRESS: Duration = Duration::from_millis(40);
 /// Degrees of the turntable in a second.
@@ -79,6 +81,7 @@ struct Loading {
 /// A picture that is being drawn.
 #[derive(Debug)]
 struct Drawing {
+    begun: Instant,
     step: usize,
     cancelled: Arc<AtomicBool>,
 }
@@ -118,6 +121,8 @@ pub(super) struct App {
     quality: Quality,
     moved: Option<Instant>,
     picture: Canvas,
+    /// The model that it shows.
+    pictured: usize,
     spare: Canvas,
     stats: FrameStats,
     clock: Clock,
@@ -165,6 +170,7 @@ impl App {
             quality: Quality::new(BUDGET),
             moved: None,
             picture: Canvas::default(),
+            pictured: 0,
             spare: Canvas::default(),
             stats: FrameStats::default(),
             clock: Clock::default(),
@@ -200,6 +206,9 @@ impl App {
     fn name(&self, model: usize) -> String {
         let name = self.studio.models().get(model).cloned();
         let name = name.unwrap_or_default();
+        if name == "-" {
+            return "standard input".into();
+        }
         let last = PathBuf::from(&name);
         let last = last.file_name().map(|n| n.to_string_lossy().into_owned());
         last.unwrap_or(name)
@@ -331,6 +340,7 @@ impl App {
                 self.stats = stats;
                 self.quality.drawn(order.step, took);
                 self.drawn = Some((order.state, order.step));
+                self.pictured = order.model;
                 self.clock.drawn(now, took, order.step);
                 self.stale = true;
             }
@@ -366,8 +376,9 @@ impl App {
             self.message = None;
             self.stale = true;
         }
-        if let Some(loading) = &self.loading
-            && now > loading.task.begun + PATIENCE
+        let loading = self.loading.as_ref().map(|l| l.task.begun + PATIENCE);
+        let drawing = self.drawing.as_ref().map(|d| d.begun + LONG);
+        if loading.into_iter().chain(drawing).any(|from| now > from)
             && self.presented.is_none_or(|p| now > p + PROGRESS)
         {
             self.stale = true;
@@ -389,6 +400,7 @@ impl App {
         let order = Order {
             flags: self.look.flags.clone(),
             camera: self.orbit.camera(),
+            model: self.model,
             shown: Arc::clone(shown),
             size: self.size,
             draft: LADDER[step],
@@ -399,6 +411,7 @@ impl App {
             state: self.state,
         };
         self.drawing = Some(Drawing {
+            begun: now,
             step,
             cancelled: Arc::clone(&order.cancelled),
         });

@@ -138,10 +138,23 @@ pub(super) fn loading(task: &Task, now: Instant) -> Content {
         format!("loading {}", task.name),
         format!("{doing}, {seconds:.1} s"),
     ];
-    let part = seconds % 2.0;
     let mut content = Content::text(Tone::Ink, lines);
-    content.bar = Some(if part < 1.0 { part } else { 2.0 - part } as f32);
+    content.bar = Some(to_and_fro(seconds));
     content
+}
+
+/// A picture that takes long.
+pub(super) fn drawing(time: Duration) -> Content {
+    let seconds = time.as_secs_f64();
+    let mut content = Content::text(Tone::Ink, [format!("drawing, {seconds:.1} s")]);
+    content.bar = Some(to_and_fro(seconds));
+    content
+}
+
+/// A bar that goes from nothing to all in a second, and back.
+fn to_and_fro(seconds: f64) -> f32 {
+    let part = seconds % 2.0;
+    (if part < 1.0 { part } else { 2.0 - part }) as f32
 }
 
 /// A message in lines that fit a window, four at most.

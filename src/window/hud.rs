@@ -83,6 +83,8 @@ pub(super) enum Place {
     BottomLeft,
     /// The middle.
     Middle,
+    /// The middle of the lower border.
+    BottomMiddle,
 }
 
 /// A panel, drawn when what it shows changes.
@@ -119,6 +121,7 @@ impl Panel {
         let at = match place {
             Place::TopLeft => [margin, margin],
             Place::BottomLeft => [margin, height - margin - high],
+            Place::BottomMiddle => [((width - wide) / 2).max(0), height - margin - high],
             Place::Middle => [((width - wide) / 2).max(0), ((height - high) / 2).max(0)],
         };
         canvas.lay_over(picture.data(), picture.width(), at);

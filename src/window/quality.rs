@@ -68,6 +68,8 @@ pub(super) struct Quality {
     budget: f64,
     /// Seconds that each draft took; none where it was not drawn.
     took: [Option<f64>; LADDER.len()],
+    /// The time of the full picture is a guess.
+    guessed: bool,
     now: usize,
 }
 
@@ -78,8 +80,17 @@ impl Quality {
         Self {
             budget: budget.as_secs_f64(),
             took: [None; LADDER.len()],
+            guessed: false,
             now: 0,
         }
+    }
+
+    /// Another model is drawn from here on, and nobody knows how long it takes: about so long, in full.
+    pub(super) fn begin(&mut self, full: Duration) {
+        self.took = [None; LADDER.len()];
+        self.took[0] = Some(full.as_secs_f64());
+        self.guessed = true;
+        self.now = 0;
     }
 
     /// Other things are drawn from here on; what they take is a guess from what the last ones took.
@@ -87,6 +98,7 @@ impl Quality {
         let full = self.expected(0);
         self.took = [None; LADDER.len()];
         self.took[0] = full;
+        self.guessed = true;
     }
 
     /// Index in [`LADDER`] of the next picture while something moves.
@@ -123,6 +135,9 @@ impl Quality {
         let time = time.as_secs_f64();
         // One that is slow once may have been disturbed, so half of it counts.
         let slot = &mut self.took[draft];
+        if draft == 0 && std::mem::take(&mut self.guessed) {
+            *slot = None;
+        }
         *slot = Some(slot.map_or(time, |t| 0.5 * (t + time)));
     }
 
@@ -186,6 +201,18 @@ mod tests {
         // Coarser pictures save nothing, so few of them are drawn.
         let mut q = Quality::new(ms(16.0));
         assert!(settled(&mut q, &[200.0; LADDER.len()]) <= 2);
+    }
+
+    #[test]
+    fn large_models_begin_with_a_draft() {
+        let mut q = Quality::new(ms(16.0));
+        q.begin(ms(3000.0));
+        assert!(q.next() > 4 && q.is_slow(0));
+        q.begin(ms(5.0));
+        assert!(q.next() == 0 && !q.is_slow(0));
+        // What was measured counts, not the guess.
+        q.drawn(0, ms(20.0));
+        assert!(q.is_slow(0));
     }
 
     #[test]

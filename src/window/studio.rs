@@ -94,7 +94,9 @@ pub struct Order {
     pub flags: Flags,
     /// The camera.
     pub camera: Camera,
-    /// The model.
+    /// The number of the model.
+    pub model: usize,
+    /// The same, loaded.
     pub shown: Arc<Shown>,
     /// Pixels of the window.
     pub size: [u32; 2],

@@ -1,6 +1,6 @@
 //! What the window shows: the last picture with its panels.
 
-use super::{App, PATIENCE};
+use super::{App, LONG, PATIENCE};
 use crate::window::canvas::{Canvas, word};
 use crate::window::figures;
 use crate::window::hud::{Content, Place, Tone};
@@ -37,8 +37,8 @@ impl App {
             self.window.stretch(&self.picture, self.size);
         }
         let name = match self.studio.models().len() {
-            0 | 1 => self.name(self.model),
-            n => format!("{}  {} of {n}", self.name(self.model), self.model + 1),
+            0 | 1 => self.name(self.pictured),
+            n => format!("{}  {} of {n}", self.name(self.pictured), self.pictured + 1),
         };
         let scale = 1 + u32::from(self.size[1] >= LARGE);
         let theme = &self.theme;
@@ -56,6 +56,17 @@ impl App {
         {
             let content = figures::loading(&l.task, now);
             loading.show(&mut self.window, &content, Place::Middle, theme, scale);
+        } else if let Some(d) = &self.drawing
+            && now > d.begun + LONG
+        {
+            let content = figures::drawing(now - d.begun);
+            loading.show(
+                &mut self.window,
+                &content,
+                Place::BottomMiddle,
+                theme,
+                scale,
+            );
         }
         let mut lines = Vec::new();
         if let Some(fault) = &self.fault {

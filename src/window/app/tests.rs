@@ -18,9 +18,10 @@ struct Fake {
     drawn: Mutex<Vec<Asked>>,
     cancelled: AtomicU64,
     printed: Mutex<Vec<String>>,
-    /// Milliseconds of a full picture and of loading.
+    /// Milliseconds of a full picture.
     slow: AtomicU64,
-    loading: AtomicU64,
+    /// Nothing is loaded as long as it is set.
+    held: AtomicBool,
     broken: AtomicBool,
 }
 
@@ -41,7 +42,9 @@ impl Studio for Fake {
     }
     fn load(&self, _: usize, _: &Flags, task: &Task) -> Result<Loaded, String> {
         task.say("reading");
-        sleep(self.loading.load(Ordering::Relaxed));
+        while self.held.load(Ordering::Relaxed) {
+            sleep(1);
+        }
         if self.broken.load(Ordering::Relaxed) {
             return Err("a.obj:3: broken".into());
         }
@@ -106,7 +109,7 @@ fn open() -> (Arc<Fake>, App) {
         cancelled: AtomicU64::new(0),
         printed: Mutex::default(),
         slow: AtomicU64::new(0),
-        loading: AtomicU64::new(0),
+        held: AtomicBool::new(false),
         broken: AtomicBool::new(false),
     });
     let start = Start {
@@ -207,7 +210,7 @@ fn a_broken_file_leaves_the_model() {
 fn flags_of_a_model_hold_when_it_is_loaded() {
     let (fake, mut app) = open();
     until(&mut app, rests);
-    fake.loading.store(100, Ordering::Relaxed);
+    fake.held.store(true, Ordering::Relaxed);
     press(&mut app, Press::Char('n'));
     assert!(app.loading.is_some());
     // Others meanwhile join them; drags are drawn as before.
@@ -218,6 +221,7 @@ fn flags_of_a_model_hold_when_it_is_loaded() {
     let drawn = fake.drawn.lock().unwrap().last().unwrap().0.clone();
     assert_eq!(drawn, "");
     point(&mut app, 110.0, 100.0, false);
+    fake.held.store(false, Ordering::Relaxed);
     until(&mut app, rests);
     let drawn = fake.drawn.lock().unwrap().last().unwrap().0.clone();
     assert_eq!(drawn, "--scheme catmull-clark --shade flat");
@@ -228,10 +232,11 @@ fn models_go_round_and_the_last_one_asked_for_is_shown() {
     let (fake, mut app) = open();
     until(&mut app, rests);
     assert_eq!(app.title(), "a.obj - earmark");
-    fake.loading.store(30, Ordering::Relaxed);
+    fake.held.store(true, Ordering::Relaxed);
     for _ in 0..3 {
         press(&mut app, Press::Right);
     }
+    fake.held.store(false, Ordering::Relaxed);
     until(&mut app, rests);
     assert_eq!(app.title(), "b.obj - earmark");
     press(&mut app, Press::Left);
