@@ -29,6 +29,7 @@
 //! | feature | brings | default |
 //! |---|---|---|
 //! | `cli` | the `earmark` program: argument parser and JSON | yes |
+//! | `window` | the preview window, module `window`, and `earmark view` | no |
 //!
 //! A library user writes `default-features = false`.
 //!
@@ -72,6 +73,8 @@ pub mod surface;
 pub mod tessellate;
 pub mod texture;
 pub mod topology;
+#[cfg(feature = "window")]
+pub mod window;
 
 #[doc = include_str!("architecture.md")]
 pub mod architecture {}

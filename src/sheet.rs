@@ -199,7 +199,13 @@ pub(crate) fn text_strokes(text: &str, at: [f32; 2], height: f32) -> Vec<Vec<[f3
 }
 
 /// Draws a line of text from `at`, the left end of its base line.
-fn draw_text(sheet: &mut PixmapMut<'_>, text: &str, at: [f32; 2], height: f32, ink: [u8; 4]) {
+pub(crate) fn draw_text(
+    sheet: &mut PixmapMut<'_>,
+    text: &str,
+    at: [f32; 2],
+    height: f32,
+    ink: [u8; 4],
+) {
     let mut builder = PathBuilder::new();
     for stroke in text_strokes(text, at, height) {
         for (k, &[x, y]) in stroke.iter().enumerate() {

@@ -17,6 +17,7 @@ fn help_texts_are_as_agreed() {
     for verb in [
         "",
         "render",
+        "view",
         "turntable",
         "refine",
         "info",
@@ -53,6 +54,7 @@ fn help_texts_are_as_agreed() {
 fn every_flag_says_its_default_or_takes_no_value() {
     for verb in [
         "render",
+        "view",
         "turntable",
         "refine",
         "info",
@@ -96,7 +98,19 @@ fn version_and_no_verb() {
     assert_eq!(code(&out), 0);
     assert!(stdout(&out).starts_with("earmark "));
     assert_eq!(code(&run(&[])), 2);
-    assert_eq!(code(&run(&["view", "a.obj"])), 2);
+    assert_eq!(code(&run(&["show", "a.obj"])), 2);
+}
+
+/// Without a display there is no window, and without the feature neither: the message says what to do.
+#[test]
+fn without_a_window_the_message_says_what_to_do() {
+    let mut command = earmark();
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    let out = command.arg("view").arg(asset("cube.obj")).output().unwrap();
+    let message = assert_clean(&out);
+    assert_eq!(code(&out), 6, "{message}");
+    assert!(message.contains("earmark render MODEL"), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
 }
 
 /// Arguments behind a model and an output, and the code and a part of the message that they give.

@@ -122,6 +122,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "window",
+        &["camera", "math", "records", "frame", "film", "sheet"],
+    ),
+    (
         "load",
         &[
             "files", "frame", "mesh", "patch", "shade", "surface", "texture", "topology", "limits",
@@ -134,7 +138,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
 const PACKAGES: &[(&str, &[&str])] = &[
     ("glam", &["math.rs", "camera.rs"]),
     ("tobj", &["mesh/mtl.rs"]),
-    ("tiny_skia", &["sheet.rs", "sheet/", "overlay/"]),
+    (
+        "tiny_skia",
+        &["sheet.rs", "sheet/", "overlay/", "window/hud.rs"],
+    ),
+    ("minifb", &["window/screen.rs"]),
     ("image", &["texture.rs", "film/"]),
 ];
 

@@ -443,6 +443,10 @@ pub(crate) struct PictureFlags {
     /// Lines over the picture, hidden ones removed; several with commas between them [default: none]
     #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
     pub(crate) overlay: Vec<Overlay>,
+    /// Turn of the studio lights around the direction that points up in the picture, in degrees; above 0 the key light, from the upper left,
+    /// goes to the right
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = number, allow_hyphen_values = true)]
+    pub(crate) light_turn: f64,
     /// Picture (PNG or JPEG) that colours the surface in place of the materials' maps
     #[arg(long, value_name = "IMAGE")]
     pub(crate) color_map: Option<PathBuf>,
@@ -496,6 +500,7 @@ impl PictureFlags {
         renderer.drawing = level.drawing();
         renderer.mode = self.mode();
         renderer.background = self.background.unwrap_or_default();
+        renderer.light_turn = self.light_turn;
         renderer
     }
 }

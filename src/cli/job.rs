@@ -10,13 +10,13 @@ use earmark::files::{self, AtomicFile, FolderResolver};
 use earmark::frame::Object;
 use earmark::limits::{Limits, Progress};
 use earmark::load::{LoadOptions, Loader};
-use earmark::mesh::resolver::{NoFiles, Resolver};
+use earmark::mesh::resolver::{NoFiles, ResolveError, Resolver};
 use earmark::mesh::{Cage, obj};
 use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
 use earmark::tessellate::depth_tags;
 use earmark::topology::{Topology, TopologyWarning};
-use earmark::{Scene, SurfaceOptions};
+use earmark::{Renderer, Scene, SurfaceOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,6 +27,9 @@ use std::time::{Duration, Instant};
 const MOST_THREADS_PER_CORE: usize = 4;
 /// As many are always allowed, so that a result can be compared over thread counts anywhere.
 const ALWAYS_ALLOWED: usize = 64;
+
+/// What messages call standard input.
+const STDIN: &str = "standard input";
 
 /// The bytes of a model, what messages call it, and what hands out the files that it names.
 type Input = (Vec<u8>, String, Box<dyn Resolver>);
@@ -42,6 +45,19 @@ pub(crate) struct Job {
     deadline: Option<(Instant, Duration)>,
     cancelled: Arc<AtomicBool>,
     progress: Arc<Progress>,
+    /// Whether frames are timed stage by stage.
+    pub(crate) measure: bool,
+    /// Whether adaptive tessellation gives way to levels by the length of edges.
+    pub(crate) uniform: bool,
+    /// What standard input held, where it was read before.
+    pub(crate) stdin: Option<Arc<[u8]>>,
+    /// A renderer that drew before, for its buffers.
+    #[cfg(feature = "window")]
+    pub(crate) kept: Option<Renderer>,
+    /// Files that models name.
+    pub(crate) named: Vec<PathBuf>,
+    /// Told of every stage that begins.
+    pub(crate) tell: Option<Box<dyn Fn(&'static str) + Send>>,
 }
 
 impl Job {
@@ -59,6 +75,13 @@ impl Job {
             deadline,
             cancelled: Arc::default(),
             progress: Arc::default(),
+            measure: running.stats.is_some(),
+            uniform: false,
+            stdin: None,
+            #[cfg(feature = "window")]
+            kept: None,
+            named: Vec::new(),
+            tell: None,
             running: running.clone(),
         })
     }
@@ -95,13 +118,19 @@ impl Job {
 
     /// The thread pool that all of the work runs on.
     pub(crate) fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads)
-            .build()
-            .map_err(|e| {
-                let message = format!("earmark: cannot start {} threads: {e}", self.threads);
-                Failure::new(Code::Limit, message)
-            })
+        pool_of(self.threads)
+    }
+
+    /// The flag that ends the work.
+    #[cfg(feature = "window")]
+    pub(crate) fn cancelled(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.cancelled)
+    }
+
+    /// Lets another flag end the work.
+    #[cfg(feature = "window")]
+    pub(crate) fn set_cancelled(&mut self, cancelled: &Arc<AtomicBool>) {
+        self.cancelled = Arc::clone(cancelled);
     }
 
     /// Limits for what is still to be done: memory that is held already is taken off.
@@ -125,6 +154,9 @@ impl Job {
 
     /// Runs a stage with both clocks on.
     pub(crate) fn time<R>(&mut self, stage: &'static str, work: impl FnOnce(&mut Self) -> R) -> R {
+        if let Some(tell) = &self.tell {
+            tell(stage);
+        }
         let clock = Clock::now();
         let result = work(self);
         self.stages.add(stage, clock.elapsed());
@@ -148,14 +180,20 @@ impl Job {
             ..LoadOptions::default()
         });
         loader.options_mut().read.up = flags.file_up();
+        let mut names = Vec::new();
         for model in models {
             self.limits().check()?;
             let (read, name, mut resolver) = self.time("read", |job| {
-                let (bytes, name, mut resolver) = job.read_bytes(model, flags)?;
+                let (bytes, name, inner) = job.read_bytes(model, flags)?;
                 if let Some(left) = job.memory_left() {
                     loader.options_mut().read.max_bytes = left;
                 }
-                let read = loader.read(&bytes, &name, resolver.as_mut())?;
+                let mut resolver = Asked {
+                    inner,
+                    folder: model.parent().unwrap_or(Path::new("")),
+                    names: &mut names,
+                };
+                let read = loader.read(&bytes, &name, &mut resolver)?;
                 let read = suitable(read, &bytes, &name, flags, flags.triangulate)?;
                 Ok::<_, Failure>((read, name, resolver))
             })?;
@@ -173,9 +211,10 @@ impl Job {
             }
             self.time("connect", |job| {
                 let line = |face| job.line_of_face(model, flags, (&report, faces), face);
-                loader.add_cage_of_lines(cage, &name, resolver.as_mut(), &line)
+                loader.add_cage_of_lines(cage, &name, &mut resolver, &line)
             })?;
         }
+        self.named.append(&mut names);
         let (mut scene, warnings) = loader.finish();
         if let Some(tags) = tags {
             self.time("read", |job| tags.apply(&mut scene, job.memory_left()))?;
@@ -293,15 +332,22 @@ impl Job {
             let resolver = FolderResolver::beside(model)?;
             return Ok((bytes, model.display().to_string(), Box::new(resolver)));
         }
+        let bytes = match &self.stdin {
+            Some(bytes) => bytes.to_vec(),
+            None => self.read_stdin(flags, most)?,
+        };
+        // It has no folder, so the files that it names are not looked for.
+        Ok((bytes, STDIN.to_owned(), Box::new(NoFiles)))
+    }
+
+    /// A model from standard input.
+    pub(crate) fn read_stdin(&self, flags: &ModelFlags, most: u64) -> Result<Vec<u8>, Failure> {
         if flags.format.is_none() {
             return Err(Failure::usage(
                 "a model from standard input needs --format obj",
             ));
         }
-        let name = "standard input";
-        let bytes = files::read_stream(name, io::stdin().lock(), most)?;
-        // It has no folder, so the files that it names are not looked for.
-        Ok((bytes, name.to_owned(), Box::new(NoFiles)))
+        Ok(files::read_stream(STDIN, io::stdin().lock(), most)?)
     }
 
     /// The members that every JSON report begins with; `middle` comes between.
@@ -326,6 +372,31 @@ impl Job {
             .into_iter()
             .map(|(k, v)| (k.to_owned(), v))
             .collect()
+    }
+}
+
+/// A pool of so many threads.
+pub(crate) fn pool_of(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| {
+            let message = format!("earmark: cannot start {threads} threads: {e}");
+            Failure::new(Code::Limit, message)
+        })
+}
+
+/// A resolver that keeps the names of the files it is asked for.
+struct Asked<'a> {
+    inner: Box<dyn Resolver>,
+    folder: &'a Path,
+    names: &'a mut Vec<PathBuf>,
+}
+
+impl Resolver for Asked<'_> {
+    fn read(&mut self, name: &str, max_bytes: u64) -> Result<Vec<u8>, ResolveError> {
+        self.names.push(self.folder.join(name));
+        self.inner.read(name, max_bytes)
     }
 }
 

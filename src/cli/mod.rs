@@ -24,6 +24,7 @@ mod render;
 mod stats;
 mod texts;
 mod turntable;
+mod view;
 mod views;
 mod watch;
 
@@ -56,6 +57,8 @@ enum Verb {
     /// Draw models into a PNG picture
     #[command(after_long_help = examples::RENDER)]
     Render(Box<render::Arguments>),
+    /// Show models in a window
+    View(Box<view::Arguments>),
     /// Draw a model that turns: numbered pictures, or one animated PNG
     #[command(after_long_help = examples::TURNTABLE)]
     Turntable(Box<turntable::Arguments>),
@@ -87,6 +90,7 @@ impl Verb {
     fn running(&self) -> Option<&RunningFlags> {
         match self {
             Self::Render(a) => Some(&a.running),
+            Self::View(a) => Some(&a.running),
             Self::Turntable(a) => Some(&a.render.running),
             Self::Refine(a) => Some(&a.running),
             Self::Info(a) => Some(&a.running),
@@ -101,6 +105,7 @@ impl Verb {
             Self::Completions(a) => texts::completions(a, command()),
             Self::Man(a) => texts::manual(a, command()),
             Self::Render(a) => render::run(job, a),
+            Self::View(a) => view::run(job, a),
             Self::Turntable(a) => turntable::run(job, a),
             Self::Refine(a) => refine::run(job, a),
             Self::Info(a) => info::run(job, a),
@@ -128,7 +133,8 @@ pub(crate) fn main() -> ExitCode {
 
 /// The arguments with what clap's attributes cannot say.
 fn command() -> clap::Command {
-    Cli::command().mut_subcommand("turntable", |turntable| {
+    let command = Cli::command().mut_subcommand("view", view::adapted);
+    command.mut_subcommand("turntable", |turntable| {
         turntable
             .mut_arg("output", |output| {
                 output
@@ -158,9 +164,17 @@ fn finish(result: Result<(), Failure>) -> Code {
 }
 
 fn run(start: Instant, cli: &Cli) -> Result<(), Failure> {
-    let plain = RunningFlags::default();
-    let mut job = Job::new(start, cli.verb.running().unwrap_or(&plain))?;
+    let mut running = cli.verb.running().cloned().unwrap_or_default();
+    if matches!(cli.verb, Verb::View(_)) {
+        // The window shows what goes on.
+        running.progress = When::Never;
+    }
+    let mut job = Job::new(start, &running)?;
     job.watch();
+    if let Verb::View(a) = &cli.verb {
+        // A window belongs to the main thread; its pictures are drawn in a pool of their own.
+        return view::run(&mut job, a);
+    }
     let pool = job.pool()?;
     pool.install(|| cli.verb.run(&mut job))
 }

@@ -79,14 +79,22 @@ pub(crate) fn check_models(models: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The files that flags name.
+pub(crate) fn named_files(a: &Arguments) -> Vec<&Path> {
+    let maps = [
+        &a.picture.color_map,
+        &a.picture.normal_map,
+        &a.displace.displace,
+        &a.level.pn_tags,
+    ];
+    let maps = maps.into_iter().filter_map(Option::as_deref);
+    maps.chain(a.level.tag_file()).collect()
+}
+
 /// Everything that is read.
 pub(crate) fn inputs(a: &Arguments) -> Vec<&Path> {
     let mut inputs = input_paths(&a.models);
-    inputs.extend(a.picture.color_map.as_deref());
-    inputs.extend(a.picture.normal_map.as_deref());
-    inputs.extend(a.displace.displace.as_deref());
-    inputs.extend(a.level.pn_tags.as_deref());
-    inputs.extend(a.level.tag_file());
+    inputs.extend(named_files(a));
     inputs
 }
 
@@ -249,8 +257,11 @@ pub(crate) fn renderer(job: &Job, a: &Arguments) -> Renderer {
     let mut renderer = a.picture.renderer(&a.level);
     renderer.simd = job.simd;
     renderer.aovs = a.aov.iter().map(|f| f.aov).collect();
-    renderer.measure = job.running.stats.is_some() || super::messages::is_verbose();
+    renderer.measure = job.measure || super::messages::is_verbose();
     renderer.limits = job.limits();
+    if job.uniform {
+        renderer.refinement = renderer.refinement.without_flatness();
+    }
     renderer
 }
 
@@ -281,6 +292,16 @@ pub(crate) fn lined(
     picture: &PictureFlags,
 ) -> Result<Lined, RenderError> {
     let view = renderer.view(scene, camera)?;
+    lined_view(renderer, scene, view, picture)
+}
+
+/// The same for a view.
+fn lined_view(
+    renderer: &Renderer,
+    scene: &Scene,
+    view: View,
+    picture: &PictureFlags,
+) -> Result<Lined, RenderError> {
     let alone = picture.shade == Shade::Wireframe;
     let mut frame = if alone && renderer.aovs.is_empty() {
         Finished {
@@ -312,6 +333,30 @@ pub(crate) fn lined(
         lines,
         overlay: clock.elapsed(),
     })
+}
+
+/// Draws a scene that was made of the same arguments; `sphere` is what the camera frames, where that is known.
+#[cfg(feature = "window")]
+pub(crate) fn draw_scene(
+    job: &mut Job,
+    a: &Arguments,
+    scene: &Scene,
+    sphere: Option<&Sphere>,
+) -> Result<Finished, Failure> {
+    let mut renderer = renderer(job, a);
+    if let Some(kept) = &mut job.kept {
+        renderer.take_buffers(kept);
+    }
+    let camera = camera(a, scene);
+    let lined = match sphere {
+        Some(sphere) => {
+            let view = camera.framing(sphere, renderer.size)?;
+            lined_view(&renderer, scene, view, &a.picture)
+        }
+        None => lined(&renderer, scene, &camera, &a.picture),
+    };
+    job.kept = Some(renderer);
+    Ok(lined?.frame)
 }
 
 /// Draws a frame of the arguments, with what is to be said about it.
@@ -379,10 +424,9 @@ fn single(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
     })
 }
 
-/// What can be seen to be impossible in the arguments alone.
-pub(crate) fn check(a: &Arguments) -> Result<(), Failure> {
-    check_models(&a.models)?;
-    if a.displace.is_on() && a.level.drawing() == Drawing::Cage {
+/// Refuses flags that contradict each other.
+pub(crate) fn check(displace: &DisplaceFlags, level: &LevelFlags) -> Result<(), Failure> {
+    if displace.is_on() && level.drawing() == Drawing::Cage {
         return Err(Failure::usage(
             "--surface cage shows the polygons as they are: nothing is displaced",
         ));
@@ -391,7 +435,8 @@ pub(crate) fn check(a: &Arguments) -> Result<(), Failure> {
 }
 
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
-    check(a)?;
+    check_models(&a.models)?;
+    check(&a.displace, &a.level)?;
     let outputs = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.
     let beside: usize = a.aov.iter().map(|f| 2 * f.aov.pixel_bytes()).sum();

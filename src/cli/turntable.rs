@@ -201,7 +201,8 @@ fn timed(work: impl FnOnce() -> Result<(), Failure>) -> (Result<(), Failure>, Ti
 }
 
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
-    render::check(&a.render)?;
+    render::check_models(&a.render.models)?;
+    render::check(&a.render.displace, &a.render.level)?;
     a.check()?;
     let frames = a.frames()?;
     let outputs = a.outputs(&frames)?;

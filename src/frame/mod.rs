@@ -24,12 +24,12 @@ mod tile;
 mod visible;
 mod walk;
 
-use crate::camera::{Camera, CameraError, Sphere, View};
+use crate::camera::{Camera, CameraError, View};
 use crate::film::{Film, Image};
 use crate::limits::{Budget, LimitError, Limits};
 use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
-use crate::shade::{ShadeMode, Shader, SurfaceMaterial};
+use crate::shade::{LightRig, ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
 use crate::surface::Surface;
 use crate::tessellate::patterns::Pool;
@@ -73,6 +73,17 @@ pub enum Refinement {
 }
 
 impl Refinement {
+    /// The same, with levels by the length of edges in place of adaptive tessellation: for pictures that are seen for a moment.
+    #[must_use]
+    pub fn without_flatness(self) -> Self {
+        match self {
+            Self::Adaptive(Flatness { max_level, .. }) | Self::Default { max_level } => {
+                Self::ByEdgeLength { max_level }
+            }
+            other => other,
+        }
+    }
+
     /// What it is for a surface.
     fn of(self, surface: &Surface) -> Self {
         match self {
@@ -112,6 +123,8 @@ pub struct Renderer {
     pub mode: ShadeMode,
     /// Background, sRGB with straight alpha; transparent by default.
     pub background: [u8; 4],
+    /// Degrees by which the lights are turned ([`LightRig::turned`]); 0 by default.
+    pub light_turn: f64,
     /// Vector instructions; never changes a pixel.
     pub simd: SimdLevel,
     /// Whether what lies behind drawn surfaces is left out before it is diced; never changes a pixel.
@@ -287,6 +300,7 @@ impl Renderer {
             drawing: Drawing::Limit,
             mode: ShadeMode::Lit,
             background: [0; 4],
+            light_turn: 0.0,
             simd: SimdLevel::detect(),
             leave_out: true,
             aovs: Vec::new(),
@@ -313,27 +327,15 @@ impl Renderer {
     /// [`RenderError`] for sizes and cameras that give no picture.
     pub fn view(&self, scene: &Scene, camera: &Camera) -> Result<View, RenderError> {
         self.check_size()?;
-        Ok(camera.framing(&self.sphere(scene), self.size)?)
-    }
-
-    /// A sphere around what is drawn.
-    fn sphere(&self, scene: &Scene) -> Sphere {
-        match self.drawing {
-            Drawing::Cage => Sphere::of_points(scene.objects.iter().flat_map(|o| {
-                let cage = o.surface.cage();
-                cage.corner_vertices()
-                    .iter()
-                    .map(|&v| cage.points()[v as usize])
-            })),
-            _ => scene.bounding_sphere(),
-        }
+        let sphere = scene.framed_sphere(self.drawing);
+        Ok(camera.framing(&sphere, self.size)?)
     }
 
     /// What is written beside the picture of a scene.
     fn wanted(&self, scene: &Scene, view: &View) -> Result<aov::Wanted, RenderError> {
         let mut wanted = aov::Wanted::new(&self.aovs, view, self.size.samples);
         if wanted.wants(Aov::Position) {
-            wanted.set_sphere(&self.sphere(scene));
+            wanted.set_sphere(&scene.framed_sphere(self.drawing));
         }
         if wanted.wants(Aov::Uv) {
             let cages = scene.objects.iter().map(|o| o.surface.cage());
@@ -344,6 +346,12 @@ impl Renderer {
             return Err(RenderError::FaceIds { faces });
         }
         Ok(wanted)
+    }
+
+    /// Takes the buffers of a renderer that has drawn before: fresh memory costs more than it looks like.
+    pub fn take_buffers(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.scratch, &mut other.scratch);
+        std::mem::swap(&mut self.patterns, &mut other.patterns);
     }
 
     /// Draws `scene` through a view that is already resolved, for instance that of the frame before.
@@ -415,7 +423,9 @@ impl Renderer {
                 ..*m
             })
             .collect();
-        let mut shader = Shader::new(self.mode, view, &solid, &scene.textures).with_simd(self.simd);
+        let mut shader = Shader::new(self.mode, view, &solid, &scene.textures)
+            .with_lights(LightRig::turned(view, self.light_turn))
+            .with_simd(self.simd);
         if let Some(material) = scene.default_material {
             shader = shader.with_default_material(material);
         }

@@ -1,5 +1,6 @@
 //! What is drawn: surfaces with their materials, and the textures they share.
 
+use super::Drawing;
 use crate::camera::{Sphere, View};
 use crate::shade::{NO_MATERIAL, SurfaceMaterial};
 use crate::surface::Surface;
@@ -68,6 +69,19 @@ impl Scene {
         let reach = |o: &Object| f64::from(o.surface.displacement_reach());
         sphere.radius += self.objects.iter().map(reach).fold(0.0, f64::max);
         sphere
+    }
+
+    /// The sphere that a camera frames: around the cages where they are drawn, else [`Scene::bounding_sphere`].
+    #[must_use]
+    pub fn framed_sphere(&self, drawing: Drawing) -> Sphere {
+        match drawing {
+            Drawing::Cage => Sphere::of_points(self.objects.iter().flat_map(|o| {
+                let cage = o.surface.cage();
+                let corners = cage.corner_vertices().iter();
+                corners.map(|&v| cage.points()[v as usize])
+            })),
+            _ => self.bounding_sphere(),
+        }
     }
 
     fn limit_sphere(&self) -> Sphere {

@@ -48,8 +48,21 @@ impl LightRig {
     /// The lights for a camera.
     #[must_use]
     pub fn new(view: &View) -> Self {
+        Self::turned(view, 0.0)
+    }
+
+    /// The same, turned by `degrees` around the direction that points up in the picture: above 0, the key light comes from further right.
+    #[must_use]
+    pub fn turned(view: &View, degrees: f64) -> Self {
         let axis = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-        let (right, up, back) = (axis(view.right), axis(view.up), -axis(view.forward));
+        let (mut right, up, mut back) = (axis(view.right), axis(view.up), -axis(view.forward));
+        if degrees != 0.0 {
+            let (sine, cosine) = (
+                libm::sin(degrees.to_radians()),
+                libm::cos(degrees.to_radians()),
+            );
+            (right, back) = (right * cosine - back * sine, back * cosine + right * sine);
+        }
         let lamp = |(d, color): ([f64; 3], [f32; 3])| {
             let v = right * d[0] + up * d[1] + back * d[2];
             Lamp {

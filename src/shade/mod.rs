@@ -111,6 +111,13 @@ impl<'a> Shader<'a> {
         self
     }
 
+    /// The same shader with its lights turned ([`LightRig::turned`]).
+    #[must_use]
+    pub fn with_lights(mut self, lights: LightRig) -> Self {
+        self.lights = lights;
+        self
+    }
+
     /// The same shader with another material for points that have none.
     #[must_use]
     pub fn with_default_material(mut self, material: SurfaceMaterial) -> Self {
