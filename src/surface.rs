@@ -29,7 +29,7 @@ use mesh::QuadMesh;
 use std::sync::Arc;
 
 pub use diced::DicedQuad;
-pub(crate) use patch::QuadPatch;
+pub(crate) use patch::{QuadPatch, Spline};
 
 /// How a cage is read as a surface. What is `None` comes from the cage's tags, else from the defaults.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

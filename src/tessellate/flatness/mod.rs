@@ -8,6 +8,7 @@
 //! 2. `edges`: every cage edge gets a binary tree of splits, once: from its own curve, and from both faces, whose triangles beside it
 //!    should not be drawn out.
 
+mod closed;
 mod edges;
 mod faces;
 mod screen;
