@@ -44,6 +44,16 @@ pub(crate) enum Spline {
     Triangle([[f32; 3]; 12]),
 }
 
+impl Spline {
+    /// The control points; their hull holds the face.
+    pub(crate) fn points(&self) -> &[[f32; 3]] {
+        match self {
+            Self::Quad(net) => net.as_flattened(),
+            Self::Triangle(net) => net,
+        }
+    }
+}
+
 /// What is asked of a face.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {

@@ -8,7 +8,7 @@ use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
-use crate::surface::{QuadPatch, Surface};
+use crate::surface::{QuadPatch, Spline, Surface};
 use crate::tessellate::CHUNK;
 use crate::tessellate::blocks::{Needs, Part};
 use crate::tessellate::quadtree::{MAX_LOG, Quadtree, Shape};
@@ -55,12 +55,13 @@ pub(super) fn needs(
                 let q = (k * CHUNK + i) as u32;
                 hull.clear();
                 patch.prepare_points(surface, q, metric.reach.level, None, Sides::Hull);
-                if metric.reach.always {
-                    table_box(patch, metric.reach.level, hull);
-                } else {
-                    patch.hull(|p| hull.push(p));
+                let spline = patch.spline();
+                match &spline {
+                    Some(spline) => hull.extend_from_slice(spline.points()),
+                    None if metric.reach.always => table_box(patch, metric.reach.level, hull),
+                    None => patch.hull(|p| hull.push(p)),
                 }
-                *plan = is_drawn(q, hull).then(|| first_log(metric, patch) as u8);
+                *plan = is_drawn(q, hull).then(|| first_log(metric, spline.as_ref()) as u8);
             }
             Ok(())
         },
@@ -100,9 +101,9 @@ pub(super) fn needs(
     Ok((needs, own))
 }
 
-/// How many samples a face begins with, as a power of two; the patch is prepared for its hull or better.
-fn first_log(metric: &Metric<'_>, patch: &QuadPatch) -> u32 {
-    match patch.spline().map(|s| closed::tell(metric, &s)) {
+/// How many samples a face begins with, as a power of two, if it is this spline or none.
+fn first_log(metric: &Metric<'_>, spline: Option<&Spline>) -> u32 {
+    match spline.map(|s| closed::tell(metric, s)) {
         Some(Told::Flat) => FLAT,
         Some(Told::Far(times)) if times.is_finite() && times > ROUGH => LOGS[1],
         _ => LOGS[0],
@@ -148,6 +149,8 @@ struct Worker<'a> {
     lines: Lines,
     /// Whether nothing of the face has to be sampled.
     is_flat: bool,
+    /// Which of its corners are irregular.
+    irregular: [bool; 4],
 }
 
 /// Levels below a sampled square that its parts need, depth by depth.
@@ -221,6 +224,7 @@ impl<'a> Worker<'a> {
             levels: Levels::default(),
             lines: Lines::default(),
             is_flat: false,
+            irregular: [true; 4],
         }
     }
 
@@ -232,10 +236,11 @@ impl<'a> Worker<'a> {
             let level = self.metric.reach.level;
             self.patch
                 .prepare_points(self.surface, q, level, None, Sides::Hull);
-            first_log(self.metric, &self.patch)
+            first_log(self.metric, self.patch.spline().as_ref())
         });
         self.is_flat = log == FLAT;
         if !self.is_flat {
+            self.irregular = self.surface.irregular_corners(q);
             self.grow(q, 0, log);
         }
     }
@@ -271,6 +276,9 @@ impl<'a> Worker<'a> {
             self.patch
                 .prepare_points(self.surface, q, level, None, sides);
             self.prepared = Some((level, sides));
+            if !self.patch.has_plain_sides() {
+                self.irregular = [true; 4];
+            }
         }
         let part = Square {
             level,
@@ -285,17 +293,15 @@ impl<'a> Worker<'a> {
         );
         let hides = self.hides(part);
         let shape = self.tree.nodes[node].shape(self.tree.face);
-        self.surplus.grid(
-            self.metric,
-            (log, shape),
-            &mut self.points,
-            &self.normals,
-        );
+        self.surplus
+            .grid(self.metric, (log, shape), &mut self.points, &self.normals);
         let last = (1 << depth) - 1;
         let sampled = Sampled {
             log,
             shape,
-            corners: [[0, 0], [last, 0], [last, last], [0, last]].map(|corner| corner == place),
+            irregular: std::array::from_fn(|c| {
+                self.irregular[c] && [[0, 0], [last, 0], [last, last], [0, last]][c] == place
+            }),
         };
         let cap = self.metric.max_level.saturating_sub(depth);
         let mut levels = std::mem::take(&mut self.levels);
@@ -307,7 +313,12 @@ impl<'a> Worker<'a> {
             false => self.surplus.promising(&sampled),
         };
         let more = LOGS.into_iter().find(|&l| l > log && l >= promising);
-        let told = need + u32::from(log < TRUSTED) <= log;
+        // Towards an irregular corner steps add nearly as much as the one before: two are looked at.
+        let ahead = match sampled.irregular.contains(&true) {
+            true => 2,
+            false => u32::from(log < TRUSTED),
+        };
+        let told = need + ahead <= log;
         match more.filter(|_| (!told || hides) && level < deepest) {
             Some(more) => {
                 self.levels = levels;

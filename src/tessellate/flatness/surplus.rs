@@ -13,6 +13,13 @@ use crate::tessellate::quadtree::{MAX_LOG, Shape};
 /// What a step of the grid below the samples is expected to leave: a quarter where the surface has second derivatives.
 const LEFT: f32 = 0.4;
 
+/// What is smaller, in pixels, has no normals of its own to be seen. Moved points make two cells one triangle, which should not be above a
+/// pixel then.
+const DOT: f32 = 0.6;
+
+/// By how much more than two steps the later ones may add at an irregular corner.
+const UNEVEN: f32 = 1.3;
+
 /// Points with a surplus in each direction of step `k`, `2^k + 1` in a row like the cells' corners, the last of a row or column without meaning.
 const fn plane(k: u32) -> usize {
     ((1 << k) + 1) * ((1 << k) + 1)
@@ -59,8 +66,17 @@ pub(super) struct Square {
     pub(super) log: u32,
     /// Of a triangle, only what is not above the diagonal counts.
     pub(super) shape: Shape,
-    /// Whether each corner of the square is one of the face's.
-    pub(super) corners: [bool; 4],
+    /// Whether each corner of the square is an irregular one of the face's.
+    pub(super) irregular: [bool; 4],
+}
+
+impl Square {
+    /// Whether cell (`x`, `y`) of the `2^k` by `2^k` is at an irregular corner.
+    fn is_irregular(&self, k: u32, at: [u32; 2]) -> bool {
+        let last = (1 << k) - 1;
+        let ends = [[0, 0], [last, 0], [last, last], [0, last]];
+        (0..4).any(|c| self.irregular[c] && ends[c] == at)
+    }
 }
 
 impl Surplus {
@@ -128,7 +144,7 @@ impl Surplus {
                 let bend = most(ba[x], bb[x], bc[x], bd[x], be[x]);
                 let length = most(la[x], lb[x], lc[x], ld[x], le[x]);
                 // As in `worst`.
-                out[x] = if length > 1.0 { far.max(bend) } else { far };
+                out[x] = if length > DOT { far.max(bend) } else { far };
             }
         }
     }
@@ -211,8 +227,7 @@ impl Surplus {
             b = b.max(bend[k]);
             l = l.max(length[k]);
         }
-        // What is smaller than a pixel has no normals of its own to be seen.
-        if l > 1.0 { f.max(b) } else { f }
+        if l > DOT { f.max(b) } else { f }
     }
 
     /// What step `k` adds to segment `i` of the `2^k` of a line.
@@ -259,27 +274,30 @@ impl Surplus {
         if k >= self.log {
             // No samples inside: what the cell twice as large leaves. At an irregular vertex, where parameters run unevenly, that is nearly
             // all of it at a high valence.
-            let last = (1 << k) - 1;
-            let ends = [[0, 0], [last, 0], [last, last], [0, last]];
-            let corner = ends.iter().position(|&end| end == at);
-            let left = match corner.is_some_and(|c| square.corners[c]) {
+            let left = match square.is_irregular(k, at) {
                 true => 1.0,
                 false => LEFT,
             };
             return k > 0 && self.of_cell(k - 1, at.map(|c| c / 2)) * left > 1.0;
         }
-        let own = self.of_cell(k, at);
+        let mut own = self.of_cell(k, at);
         if own > 1.0 {
             return true;
         }
+        let irregular = square.is_irregular(k, at);
         if k + 1 == self.log {
-            return false;
+            // What the next step adds is as much again there.
+            return irregular && 2.0 * own > 1.0;
         }
         let half = shape == Shape::Triangle && at[0] == at[1];
         let children = [[0, 0], [1, 0], [1, 1], [0, 1]];
         let children = children.iter().take(if half { 3 } else { 4 });
         let next = children.map(|c| self.of_cell(k + 1, [0, 1].map(|i| 2 * at[i] + c[i])));
-        0.5 * own + next.fold(0.0, f32::max) > 1.0
+        let mut next = next.fold(0.0, f32::max);
+        if irregular {
+            (own, next) = (own * UNEVEN, next * UNEVEN);
+        }
+        0.5 * own + next > 1.0
     }
 }
 
