@@ -16,7 +16,7 @@ use earmark::refine::has_semi_sharp;
 use earmark::simd::Level as SimdLevel;
 use earmark::tessellate::depth_tags;
 use earmark::topology::{Topology, TopologyWarning};
-use earmark::{Renderer, Scene, SurfaceOptions};
+use earmark::{Scene, SurfaceOptions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -53,7 +53,7 @@ pub(crate) struct Job {
     pub(crate) stdin: Option<Arc<[u8]>>,
     /// A renderer that drew before, for its buffers.
     #[cfg(feature = "window")]
-    pub(crate) kept: Option<Renderer>,
+    pub(crate) kept: Option<earmark::Renderer>,
     /// Files that models name.
     pub(crate) named: Vec<PathBuf>,
     /// Told of every stage that begins.
