@@ -29,6 +29,7 @@
 //! | feature | brings | default |
 //! |---|---|---|
 //! | `cli` | the `earmark` program: argument parser and JSON | yes |
+//! | `gpu` | the same stages on a GPU ([`gpu`]), through wgpu | no |
 //!
 //! A library user writes `default-features = false`.
 //!
@@ -52,6 +53,7 @@ pub mod evaluate;
 pub mod files;
 pub mod film;
 pub mod frame;
+pub mod gpu;
 pub mod limits;
 pub mod load;
 pub mod math;

@@ -7,6 +7,7 @@ mod bench_patches;
 mod displace;
 mod exit;
 mod flags;
+mod gpu;
 mod info;
 mod job;
 mod messages;

@@ -2,7 +2,8 @@
 
 use super::displace::DisplaceFlags;
 use super::exit::Failure;
-use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
+use super::flags::{Backend, LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
+use super::gpu;
 use super::job::{Job, Output, commit_all, model_names};
 use super::messages::{note, warning};
 use super::stats::{Clock, Json, frame_stages};
@@ -186,7 +187,10 @@ fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
 }
 
 /// Draws the models of the arguments, with all warnings said.
-fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
+fn draw(job: &mut Job, a: &Arguments) -> Result<(Finished, Vec<(&'static str, Json)>), Failure> {
+    if a.picture.backend == Backend::Gpu {
+        gpu::check()?;
+    }
     let scene = scene(job, a)?;
     let has_uvs = scene.objects.iter().any(|o| o.surface.has_uvs());
     let maps = a.picture.color_map.is_some() || a.picture.normal_map.is_some();
@@ -202,10 +206,16 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
     if let Some(first) = scene.objects.first() {
         camera = camera.relative_to(first.surface.cage().origin());
     }
-    let clock = Clock::now();
-    let frame = renderer.render(&scene, &camera)?;
-    let stages = frame_stages(&frame.stats, clock.elapsed().cpu);
-    job.stages.0.extend(stages.0);
+    let (frame, more) = match a.picture.backend {
+        Backend::Gpu => gpu::draw(job, &a.picture, &renderer, &scene, &camera)?,
+        Backend::Cpu => {
+            let clock = Clock::now();
+            let frame = renderer.render(&scene, &camera)?;
+            let stages = frame_stages(&frame.stats, clock.elapsed().cpu);
+            job.stages.0.extend(stages.0);
+            (frame, Vec::new())
+        }
+    };
     if frame.view.up_replaced {
         warning("--up is parallel to the direction of view; another direction points up");
     }
@@ -214,7 +224,7 @@ fn draw(job: &mut Job, a: &Arguments) -> Result<Finished, Failure> {
             "no pixel is covered: the model is outside of the view, smaller than a pixel, or has no faces to draw",
         );
     }
-    Ok(frame)
+    Ok((frame, more))
 }
 
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
@@ -227,7 +237,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let (picture, stats) = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.
     check_picture(&a.picture, &job.limits(), 13)?;
-    let frame = draw(job, a)?;
+    let (frame, more) = draw(job, a)?;
     watch::phase(Phase::Writing);
     job.limits().check()?;
     let mut staged = vec![job.time("write", |_| {
@@ -241,11 +251,12 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         job.start.elapsed().as_secs_f64() * 1e3
     ));
     if let Some(stats) = stats {
-        let middle = vec![
+        let mut middle = vec![
             ("faces", Json::Whole(frame.stats.faces)),
             ("microtriangles", Json::Whole(frame.stats.microtriangles)),
             ("pixels_covered", Json::Whole(frame.stats.pixels_covered)),
         ];
+        middle.extend(more);
         let report = Json::Object(job.report(model_names(&a.models), middle));
         staged.push(stats.stage(format!("{report}\n").as_bytes())?);
     }

@@ -391,6 +391,27 @@ impl Renderer {
         Ok(draw(&frame, stats)?)
     }
 
+    /// The bounding sphere that automatic cameras frame.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn view(&self, scene: &Scene, camera: &Camera) -> Result<View, RenderError> {
+        self.check_size()?;
+        Ok(camera.framing(&scene.bounding_sphere(), self.size)?)
+    }
+
+    /// Levels of the objects, and the blocks of those that are tessellated: what other backends draw by, too.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn decide(
+        &self,
+        scene: &Scene,
+        view: &View,
+    ) -> Result<(Vec<u32>, Vec<Option<Tessellation>>), RenderError> {
+        self.check_size()?;
+        let mut levels = self.levels(scene, view)?;
+        let mut budget = Budget::new(&self.limits);
+        let found = self.tessellations(scene, view, &mut levels, &mut budget)?;
+        Ok((levels, found))
+    }
+
     fn check_size(&self) -> Result<(), RenderError> {
         let ScreenSize {
             width,
