@@ -48,6 +48,15 @@ fn asset(name: &str, options: SurfaceOptions) -> Scene {
     loader.finish().0
 }
 
+/// The scene without its textures, which have to fit a binding whole.
+fn plain(mut scene: Scene) -> Scene {
+    scene.textures.clear();
+    for material in &mut scene.materials {
+        material.diffuse_map = None;
+    }
+    scene
+}
+
 fn uniform(width: u32, height: u32, level: u32) -> Renderer {
     let mut renderer = Renderer::new(width, height);
     renderer.refinement = Refinement::Uniform(level);

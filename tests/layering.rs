@@ -110,6 +110,26 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "gpu",
+        &[
+            "tessellate",
+            "patch",
+            "evaluate",
+            "records",
+            "limits",
+            "scheme",
+            "mesh",
+            "camera",
+            "topology",
+            "dice",
+            "surface",
+            "raster",
+            "shade",
+            "film",
+            "frame",
+        ],
+    ),
+    (
         "load",
         &[
             "files", "frame", "mesh", "patch", "shade", "surface", "texture", "topology", "limits",
@@ -124,6 +144,9 @@ const PACKAGES: &[(&str, &[&str])] = &[
     ("tobj", &["mesh/mtl.rs"]),
     ("tiny_skia", &["sheet.rs", "sheet/"]),
     ("image", &["texture.rs", "film/"]),
+    ("wgpu", &["gpu/"]),
+    ("bytemuck", &["gpu/"]),
+    ("pollster", &["gpu/"]),
 ];
 
 fn sources(folder: &Path, out: &mut Vec<(String, String)>, root: &Path) {

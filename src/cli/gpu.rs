@@ -63,9 +63,7 @@ mod with {
             match e {
                 GpuError::Limit(e) => e.into(),
                 GpuError::Render(e) => e.into(),
-                e @ GpuError::OutOfMemory { .. } => {
-                    Self::new(Code::Limit, format!("earmark: {e}"))
-                }
+                e @ GpuError::OutOfMemory { .. } => Self::new(Code::Limit, format!("earmark: {e}")),
                 e => Self::new(Code::Unavailable, format!("earmark: {e}")),
             }
         }
@@ -215,7 +213,11 @@ mod with {
     }
 
     /// `bench frame --backend gpu`.
-    pub(in crate::cli) fn frame(job: &Job, a: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
+    pub(in crate::cli) fn frame(
+        job: &Job,
+        a: &Arguments,
+        scene: &Scene,
+    ) -> Result<Outcome, Failure> {
         let gpu = open(&a.picture)?;
         let mut rows: Vec<Row> = Vec::new();
         let mut camera = a.picture.camera();
@@ -223,9 +225,16 @@ mod with {
             camera = camera.relative_to(first.surface.cage().origin());
         }
         let mut renderer = renderer(job, a);
-        let stats = measure(&gpu, &mut renderer, scene, &camera, a.repeat, |name, time, s| {
-            push(&mut rows, name, time, &|_| s.microtriangles);
-        })?;
+        let stats = measure(
+            &gpu,
+            &mut renderer,
+            scene,
+            &camera,
+            a.repeat,
+            |name, time, s| {
+                push(&mut rows, name, time, &|_| s.microtriangles);
+            },
+        )?;
         Ok(Outcome {
             rows,
             faces: stats.faces,
@@ -259,7 +268,11 @@ mod with {
     ];
 
     /// `bench gpu`: everything that is compared with figures from elsewhere, in one run.
-    pub(in crate::cli) fn suite(job: &Job, a: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
+    pub(in crate::cli) fn suite(
+        job: &Job,
+        a: &Arguments,
+        scene: &Scene,
+    ) -> Result<Outcome, Failure> {
         let gpu = open(&a.picture)?;
         let mut rows: Vec<Row> = Vec::new();
         let mut last = GpuStats::default();
@@ -267,22 +280,36 @@ mod with {
         for (level, names) in LEVELS {
             plain.refinement = Refinement::Uniform(level);
             let camera = a.picture.camera();
-            last = measure(&gpu, &mut plain, scene, &camera, a.repeat, |name, time, s| {
-                if let Some(&(_, row)) = names.iter().find(|n| n.0 == name) {
-                    push(&mut rows, row, time, &|_| s.microtriangles);
-                }
-            })?;
+            last = measure(
+                &gpu,
+                &mut plain,
+                scene,
+                &camera,
+                a.repeat,
+                |name, time, s| {
+                    if let Some(&(_, row)) = names.iter().find(|n| n.0 == name) {
+                        push(&mut rows, row, time, &|_| s.microtriangles);
+                    }
+                },
+            )?;
         }
         plain.size.samples = 1;
         for row in uniform_rows() {
             plain.refinement = Refinement::Uniform(row.level);
             let scene = Scene::of(Surface::new(row.cage?, &row.options));
             let camera = Camera::default();
-            let stats = measure(&gpu, &mut plain, &scene, &camera, a.repeat, |name, time, s| {
-                if name == "total" {
-                    push(&mut rows, row.name, time, &|_| s.microtriangles);
-                }
-            })?;
+            let stats = measure(
+                &gpu,
+                &mut plain,
+                &scene,
+                &camera,
+                a.repeat,
+                |name, time, s| {
+                    if name == "total" {
+                        push(&mut rows, row.name, time, &|_| s.microtriangles);
+                    }
+                },
+            )?;
             let published = Published {
                 milliseconds: row.published_ms,
                 coarse: stats.faces,

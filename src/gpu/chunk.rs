@@ -5,9 +5,10 @@ use super::error::GpuError;
 use super::plan::ObjectPlan;
 use super::records::{Block, Chunk, Face, Move, POINT_FLOATS, Spot, Stencil, words};
 use super::surroundings::{Finder, Surroundings};
-use super::tables::{self, Table};
+use super::tables::{self, Table, UvTable};
 use crate::frame::{Object, Scene};
 use crate::limits::{LimitError, Limits};
+use crate::scheme::Scheme;
 use crate::surface::Surface;
 use crate::topology::NONE;
 use std::collections::HashMap;
@@ -22,6 +23,11 @@ pub(super) struct Dicer<'a> {
     /// Per cage face with a table: its surroundings, and the number of its shape.
     faces: HashMap<u32, (Surroundings, u32)>,
     tables: Vec<Table>,
+    /// Per face of the cage the number of its shape with texture coordinates; empty without.
+    uv_shapes: HashMap<u32, u32>,
+    uv_tables: Vec<UvTable>,
+    /// First of the object's texture coordinates among the control numbers.
+    first_uv: u32,
     /// Per edge of the whole quads, the level of the points on it; [`NONE`] where nothing is drawn.
     edge_levels: Vec<u32>,
 }
@@ -37,7 +43,8 @@ impl<'a> Dicer<'a> {
     pub(super) fn new(
         object: &'a Object,
         plan: &ObjectPlan,
-        (first_point, first_face): (u32, u32),
+        [first_point, first_face, first_uv]: [u32; 3],
+        wants_uvs: bool,
         limits: &Limits,
     ) -> Result<Self, LimitError> {
         let surface = &object.surface;
@@ -48,10 +55,16 @@ impl<'a> Dicer<'a> {
             first_face,
             faces: HashMap::new(),
             tables: Vec::new(),
+            uv_shapes: HashMap::new(),
+            uv_tables: Vec::new(),
+            first_uv,
             edge_levels: vec![NONE; surface.whole_quads().edge_count()],
         };
         let needs = dicer.needs(plan);
         dicer.make_tables(&needs, limits)?;
+        if wants_uvs && surface.has_uvs() {
+            dicer.make_uv_tables(limits)?;
+        }
         Ok(dicer)
     }
 
@@ -122,13 +135,34 @@ impl<'a> Dicer<'a> {
         Ok(())
     }
 
+    /// Tables of texture coordinates, as fine as those of points.
+    fn make_uv_tables(&mut self, limits: &Limits) -> Result<(), LimitError> {
+        let mut numbers: HashMap<(Vec<u32>, u32), u32> = HashMap::new();
+        let mut shapes: Vec<(Surroundings, u32)> = Vec::new();
+        let mut faces: Vec<u32> = self.faces.keys().copied().collect();
+        faces.sort_unstable();
+        for face in faces {
+            let (shape, number) = &self.faces[&face];
+            let level = self.tables[*number as usize].level;
+            let next = shapes.len() as u32;
+            let number = *numbers.entry((shape.uv_key(), level)).or_insert(next);
+            if number == next {
+                shapes.push((shape.clone(), level));
+            }
+            self.uv_shapes.insert(face, number);
+        }
+        self.uv_tables = tables::make_uvs(self.surface, &shapes, limits)?;
+        Ok(())
+    }
+
     /// Whose points a side has: those of the edge's first half-edge; normals are one's own along creases and borders.
     fn side_owners(&self, h: u32) -> Owners {
         let (whole, cut) = (self.surface.whole_quads(), self.surface.quads());
         let twin = cut.twin(h);
+        let own = twin == NONE || self.is_faceted();
         Owners {
             position: whole.edge_half(whole.edge(h)),
-            normal: if twin == NONE { h } else { h.min(twin) },
+            normal: if own { h } else { h.min(twin) },
         }
     }
 
@@ -138,8 +172,16 @@ impl<'a> Dicer<'a> {
         let first = |found: u32| if found == NONE { h } else { found };
         Owners {
             position: first(whole.fans()[whole.fan(h) as usize].first),
-            normal: first(cut.fans()[cut.fan(h) as usize].first),
+            normal: match self.is_faceted() {
+                true => h,
+                false => first(cut.fans()[cut.fan(h) as usize].first),
+            },
         }
+    }
+
+    /// Whether every face has normals of its own all around.
+    fn is_faceted(&self) -> bool {
+        self.surface.scheme() == Scheme::Bilinear
     }
 
     fn table(&self, quad: u32) -> Option<(&Surroundings, u32, &Table)> {
@@ -242,6 +284,7 @@ struct Builder<'a> {
     dicer: Option<&'a Dicer<'a>>,
     stencils: HashMap<u32, u32>,
     tables: HashMap<u32, u32>,
+    uv_tables: HashMap<u32, u32>,
     corners: HashMap<u32, u32>,
     sides: HashMap<u32, u32>,
     done: Vec<ChunkData>,
@@ -263,6 +306,7 @@ pub(super) fn chunks(
         dicer: None,
         stencils: HashMap::new(),
         tables: HashMap::new(),
+        uv_tables: HashMap::new(),
         corners: HashMap::new(),
         sides: HashMap::new(),
         done: Vec::new(),
@@ -287,6 +331,7 @@ impl Builder<'_> {
         self.data.first_rank = next;
         self.stencils.clear();
         self.tables.clear();
+        self.uv_tables.clear();
         self.corners.clear();
         self.sides.clear();
     }
@@ -324,6 +369,15 @@ impl Builder<'_> {
                     weights += table.bytes();
                     seen.push(number);
                 }
+            }
+        }
+        let face = dicer.surface.cage_face(blocks[0].quad);
+        if let Some(&number) = dicer.uv_shapes.get(&face) {
+            let table = &dicer.uv_tables[number as usize];
+            gathers += 4 * u64::from(table.count);
+            if !self.uv_tables.contains_key(&number) {
+                // Tables of points begin at multiples of three.
+                weights += table.bytes() + 12;
             }
         }
         [points * 4 * u64::from(POINT_FLOATS), weights, gathers]
@@ -401,6 +455,7 @@ impl Builder<'_> {
         }
         let cage_face = dicer.surface.cage_face(quad);
         let level = dicer.table(quad).map_or(reach, |(_, _, t)| t.level);
+        let (uv_gather, uv_count, uv_table) = self.uv_stencil(dicer, quad);
         Face {
             corners,
             sides,
@@ -412,8 +467,34 @@ impl Builder<'_> {
             number: dicer.first_face + cage_face,
             // The last material is that of faces without one.
             material: dicer.object.material(cage_face),
-            padding: 0,
+            uv_gather,
+            uv_count,
+            uv_table,
+            padding: [0; 2],
         }
+    }
+
+    /// First gather, count and first weight of a quad's texture coordinates; zeros without.
+    fn uv_stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> (u32, u32, u32) {
+        let face = dicer.surface.cage_face(quad);
+        let Some(&number) = dicer.uv_shapes.get(&face) else {
+            return (0, 0, 0);
+        };
+        let Some((shape, _)) = dicer.faces.get(&face) else {
+            return (0, 0, 0);
+        };
+        let table = &dicer.uv_tables[number as usize];
+        let weights = &mut self.data.weights;
+        let base = *self.uv_tables.entry(number).or_insert_with(|| {
+            let base = weights.len() as u32;
+            weights.extend_from_slice(&table.weights);
+            weights.resize(weights.len().next_multiple_of(3), 0.0);
+            base
+        });
+        let gather = self.data.gathers.len() as u32;
+        let own = shape.uvs.iter().map(|&k| dicer.first_uv + 2 * k);
+        self.data.gathers.extend(own);
+        (gather, table.count, base + table.offset(dicer.sub(quad)))
     }
 
     fn stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> u32 {

@@ -1,7 +1,8 @@
 //! Adapters and devices: which there are, which one is taken, and how its errors become [`GpuError`]s.
 
 use super::error::GpuError;
-use std::sync::{Arc, Mutex, PoisonError};
+use super::pipelines::Pipelines;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What an adapter computes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,6 +113,8 @@ pub struct Gpu {
     pub(super) max_binding: u64,
     pub(super) wide: bool,
     pub(super) timestamps: bool,
+    /// Made when a picture first needs them.
+    pipelines: OnceLock<Pipelines>,
     failed: Arc<Mutex<Option<GpuError>>>,
 }
 
@@ -180,6 +183,7 @@ impl Gpu {
             wide: summary.wide_atomics,
             timestamps: summary.timestamps,
             summary,
+            pipelines: OnceLock::new(),
             failed: Arc::default(),
         }
     }
@@ -211,6 +215,7 @@ impl Gpu {
             device,
             queue,
             summary,
+            pipelines: OnceLock::new(),
             failed: Arc::default(),
         };
         gpu.listen();
@@ -250,6 +255,15 @@ impl Gpu {
         &self.queue
     }
 
+    /// The pipelines of pictures.
+    pub(super) fn pipelines(&self) -> Result<&Pipelines, GpuError> {
+        if self.pipelines.get().is_none() {
+            // When another thread was first, its pipelines are the same.
+            let _ = self.pipelines.set(Pipelines::new(self)?);
+        }
+        self.pipelines.get().ok_or(GpuError::NoAdapter)
+    }
+
     /// The error that came since this was asked last.
     pub(super) fn check(&self) -> Result<(), GpuError> {
         let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -267,7 +281,11 @@ impl Gpu {
     }
 
     /// A buffer with something in it.
-    pub(super) fn filled(&self, label: &'static str, words: &[u32]) -> Result<wgpu::Buffer, GpuError> {
+    pub(super) fn filled(
+        &self,
+        label: &'static str,
+        words: &[u32],
+    ) -> Result<wgpu::Buffer, GpuError> {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         // Bindings cannot be empty.
         let buffer = self.empty(label, 4 * words.len().max(4) as u64, usage)?;

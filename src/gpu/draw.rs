@@ -5,13 +5,15 @@ use super::device::Gpu;
 use super::error::GpuError;
 use super::pipelines::Pipelines;
 use super::plan::{ObjectPlan, plan};
-use super::timer::Timer;
 use super::records::{Chunk, Frame, Material, POINT_FLOATS, Record, words};
+use super::timer::Timer;
 use crate::camera::{Camera, View};
 use crate::film::{Encoding, Film, Image};
 use crate::frame::{Renderer, Scene};
+use crate::raster::sample_positions;
 use crate::records::ScreenSize;
 use crate::shade::{LightRig, ShadeMode, Shader, SurfaceMaterial};
+use crate::topology::NONE;
 use std::time::{Duration, Instant};
 use wgpu::BufferUsages as Usage;
 
@@ -66,6 +68,7 @@ struct DeviceChunk {
     data: ChunkCounts,
     points: wgpu::Buffer,
     large: wgpu::Buffer,
+    uvs: wgpu::Buffer,
     sides: wgpu::BindGroup,
     inside: wgpu::BindGroup,
     /// Which blocks there are.
@@ -97,7 +100,7 @@ struct Band {
 /// for the view it was made for (adaptive blocks) stays.
 pub struct GpuScene<'a> {
     gpu: &'a Gpu,
-    pipelines: Pipelines,
+    pipelines: &'a Pipelines,
     size: ScreenSize,
     mode: ShadeMode,
     background: [u8; 4],
@@ -141,26 +144,35 @@ impl<'a> GpuScene<'a> {
     ) -> Result<Self, GpuError> {
         let view = renderer.view(scene, camera)?;
         let plans = plan(renderer, scene, &view)?;
+        let wants_uvs = renderer.mode == ShadeMode::Uv || !scene.textures.is_empty();
+        let cages = || scene.objects.iter().map(|o| o.surface.cage());
+        let all_points: usize = cages().map(|c| c.points().len()).sum();
+        let uvs = cages().flat_map(|c| c.uvs().iter().flatten());
+        let uvs: Vec<u32> = uvs.map(|c| c.to_bits()).collect();
         let (mut first_point, mut first_face) = (0, 0);
+        let mut first_uv = 3 * all_points as u32;
         let mut dicers = Vec::new();
         let mut control_points = Vec::new();
         for (object, plan) in scene.objects.iter().zip(&plans) {
             dicers.push(Dicer::new(
                 object,
                 plan,
-                (first_point, first_face),
+                [first_point, first_face, first_uv],
+                wants_uvs,
                 &renderer.limits,
             )?);
             let points = object.surface.control_base();
             control_points.extend_from_slice(points);
             first_point += points.len() as u32;
+            first_uv += 2 * object.surface.cage().uvs().len() as u32;
             first_face += object.surface.cage().face_count() as u32;
         }
         let data = chunks(scene, &dicers, &plans, gpu.max_binding)?;
         let id_bits = id_bits(&plans)?;
         let shapes: usize = dicers.iter().map(|d| d.table_size().0).sum();
         drop(dicers);
-        Self::upload(gpu, renderer, scene, view, &data, control_points, id_bits).map(|mut made| {
+        let control = (control_points, uvs);
+        Self::upload(gpu, renderer, scene, view, &data, control, id_bits).map(|mut made| {
             made.stats.faces = scene.face_count() as u64;
             made.stats.microtriangles = plans.iter().map(|p| p.triangles).sum();
             made.stats.shapes = shapes as u32;
@@ -174,23 +186,31 @@ impl<'a> GpuScene<'a> {
         scene: &Scene,
         view: View,
         data: &[ChunkData],
-        control_points: Vec<[f32; 3]>,
+        (control_points, uvs): (Vec<[f32; 3]>, Vec<u32>),
         id_bits: u32,
     ) -> Result<Self, GpuError> {
-        let pipelines = Pipelines::new(gpu)?;
+        let pipelines = gpu.pipelines()?;
         let size = renderer.size;
-        let control = gpu.filled("control points", &point_words(&control_points))?;
+        let control = [point_words(&control_points), uvs].concat();
+        let control = gpu.filled("control points", &control)?;
         let phases: usize = if gpu.wide { 1 } else { 2 };
         let mut scene_bytes = control.size();
         let mut made = Vec::new();
         for chunk in data {
-            let chunk = device_chunk(gpu, &pipelines, &control, chunk, phases, &mut scene_bytes)?;
+            let chunk = device_chunk(gpu, pipelines, &control, chunk, phases, &mut scene_bytes)?;
             made.push(chunk);
         }
         let default = scene.default_material.unwrap_or(SurfaceMaterial::CLAY);
         let materials = scene.materials.iter().chain([&default]);
+        let (textures, places) = textures(gpu, scene)?;
+        scene_bytes += textures.size();
         let materials = materials.map(|m| Material {
             diffuse: [m.diffuse[0], m.diffuse[1], m.diffuse[2], 1.0],
+            map: m
+                .diffuse_map
+                .and_then(|map| places.get(map as usize).copied())
+                .unwrap_or(NONE),
+            padding: [0; 3],
         });
         let materials = gpu.filled("materials", &words(&materials.collect::<Vec<_>>()))?;
         // Rows of the picture whose keys fit a binding.
@@ -213,7 +233,11 @@ impl<'a> GpuScene<'a> {
         let mut bands = Vec::new();
         for start in (0..size.height).step_by(rows as usize) {
             let end = (start + rows).min(size.height);
-            let frame = gpu.empty("frame", Frame::SIZE as u64, Usage::UNIFORM | Usage::COPY_DST)?;
+            let frame = gpu.empty(
+                "frame",
+                Frame::SIZE as u64,
+                Usage::UNIFORM | Usage::COPY_DST,
+            )?;
             let drawn = |stage: &super::pipelines::Stage, c: &DeviceChunk, phase: usize| {
                 stage.bind(
                     gpu,
@@ -243,6 +267,8 @@ impl<'a> GpuScene<'a> {
                         (5, &c.faces),
                         (6, &materials),
                         (7, &sums),
+                        (8, &c.uvs),
+                        (9, &textures),
                     ],
                 )
             });
@@ -328,7 +354,10 @@ impl<'a> GpuScene<'a> {
         let begin = Instant::now();
         let mut stats = self.stats.clone();
         let queue = self.gpu.queue();
-        let mut encoder = self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self
+            .gpu
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if self.moved {
             let words = point_words(&self.control_points);
             queue.write_buffer(&self.control, 0, bytemuck::cast_slice(&words));
@@ -389,8 +418,12 @@ impl<'a> GpuScene<'a> {
         let mut pass = self.pass(encoder, 0);
         for c in &self.chunks {
             let groups = c.data.spots.div_ceil(GROUP);
-            self.pipelines.sides.run(&mut pass, &c.sides, groups, ACROSS);
-            self.pipelines.inside.run(&mut pass, &c.inside, c.data.blocks, ACROSS);
+            self.pipelines
+                .sides
+                .run(&mut pass, &c.sides, groups, ACROSS);
+            self.pipelines
+                .inside
+                .run(&mut pass, &c.inside, c.data.blocks, ACROSS);
         }
     }
 
@@ -400,13 +433,15 @@ impl<'a> GpuScene<'a> {
         for c in &self.chunks {
             encoder.clear_buffer(&c.large, 0, Some(4));
         }
-        let p = &self.pipelines;
+        let p = self.pipelines;
         let mut pass = self.pass(encoder, 1);
         let phases = self.chunks.first().map_or(0, |c| c.phases.len());
         for phase in 0..phases {
             for (k, c) in self.chunks.iter().enumerate() {
-                p.tile.run(&mut pass, &band.tile[k][phase], c.data.blocks, ACROSS);
-                p.large.run(&mut pass, &band.large[k][phase], LARGE_GROUPS, ACROSS);
+                p.tile
+                    .run(&mut pass, &band.tile[k][phase], c.data.blocks, ACROSS);
+                p.large
+                    .run(&mut pass, &band.large[k][phase], LARGE_GROUPS, ACROSS);
             }
         }
         drop(pass);
@@ -461,6 +496,22 @@ pub struct ReadBlock {
     pub points: Vec<[f32; POINT_FLOATS as usize]>,
 }
 
+/// All textures in one buffer, and where each begins.
+fn textures(gpu: &Gpu, scene: &Scene) -> Result<(wgpu::Buffer, Vec<u32>), GpuError> {
+    let bytes: u64 = scene.textures.iter().map(|t| 2048 + t.bytes() as u64).sum();
+    if bytes > gpu.max_binding {
+        return Err(GpuError::OutOfMemory {
+            what: "the textures in one buffer",
+        });
+    }
+    let (mut words, mut places) = (Vec::new(), Vec::new());
+    for texture in &scene.textures {
+        places.push(words.len() as u32);
+        words.extend(texture.words(words.len() as u32));
+    }
+    Ok((gpu.filled("textures", &words)?, places))
+}
+
 /// Bits of rows and columns in ids.
 fn id_bits(plans: &[ObjectPlan]) -> Result<u32, GpuError> {
     let all = || plans.iter().flat_map(|p| &p.blocks);
@@ -483,7 +534,8 @@ fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
     record.put(&mut words);
     let usage = Usage::UNIFORM | Usage::COPY_DST;
     let buffer = gpu.empty("numbers of a chunk", R::SIZE as u64, usage)?;
-    gpu.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
+    gpu.queue()
+        .write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
     Ok(buffer)
 }
 
@@ -519,9 +571,17 @@ fn device_chunk(
         (9, &points),
     ];
     let side_bindings = [&shared[..], &[(5, &spots)]].concat();
-    let inside_bindings = [&shared[..], &[(6, &faces), (7, &blocks), (8, &moves)]].concat();
+    let has_uvs = data.faces.iter().any(|f| f.uv_count > 0);
+    let uv_bytes = if has_uvs {
+        8 * u64::from(data.points())
+    } else {
+        16
+    };
+    let uvs = gpu.empty("texture coordinates", uv_bytes, Usage::STORAGE)?;
+    let own = [(6, &faces), (7, &blocks), (8, &moves), (10, &uvs)];
+    let inside_bindings = [&shared[..], &own].concat();
     let all = [
-        &gathers, &weights, &stencils, &spots, &faces, &blocks, &moves, &points, &large,
+        &gathers, &weights, &stencils, &spots, &faces, &blocks, &moves, &points, &large, &uvs,
     ];
     *scene_bytes += all.iter().map(|b| b.size()).sum::<u64>();
     Ok(DeviceChunk {
@@ -535,6 +595,7 @@ fn device_chunk(
         named: data.named.clone(),
         points,
         large,
+        uvs,
         blocks,
         faces,
         phases,
@@ -568,12 +629,24 @@ pub(super) fn read_floats(
     bytes: u64,
 ) -> Result<Vec<f32>, GpuError> {
     let staging = gpu.empty("test", bytes, Usage::COPY_DST | Usage::MAP_READ)?;
-    let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoder = gpu
+        .device()
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
     gpu.queue().submit([encoder.finish()]);
     let found = read(gpu, &staging)?;
-    let floats = found.as_chunks::<4>().0.iter();
+    // Buffers are a little longer.
+    let floats = found[..bytes as usize].as_chunks::<4>().0.iter();
     Ok(floats.map(|b| f32::from_le_bytes(*b)).collect())
+}
+
+/// Sample positions, two by two.
+fn offsets(samples: u32) -> [[i32; 4]; 8] {
+    let mut out = [[0; 4]; 8];
+    for (k, at) in sample_positions(samples).iter().enumerate() {
+        out[k / 2][k % 2 * 2..k % 2 * 2 + 2].copy_from_slice(at);
+    }
+    out
 }
 
 fn frame_record(scene: &GpuScene<'_>, view: &View, rows: [u32; 2]) -> Frame {
@@ -582,7 +655,17 @@ fn frame_record(scene: &GpuScene<'_>, view: &View, rows: [u32; 2]) -> Frame {
     let shader = Shader::new(scene.mode, view, &[], &[]);
     let [ray_x, ray_y, ray_0] = shader.rays();
     let (lights, [wrap, gloss, rise, knee]) = LightRig::new(view).numbers();
-    let [key, fill, rim, key_color, fill_color, rim_color, up, sky, ground] = lights;
+    let [
+        key,
+        fill,
+        rim,
+        key_color,
+        fill_color,
+        rim_color,
+        up,
+        sky,
+        ground,
+    ] = lights;
     let (f, e) = (view.forward, view.eye);
     let behind = -((f[0] * e[0] + f[1] * e[1]) + f[2] * e[2]);
     let film = Film::new(scene.mode.encoding(), scene.background);
@@ -606,6 +689,7 @@ fn frame_record(scene: &GpuScene<'_>, view: &View, rows: [u32; 2]) -> Frame {
         sky: four(sky, knee),
         ground: four(ground, 0.0),
         background: film.background(),
+        offsets: offsets(scene.size.samples),
         near: p.near,
         depth_near: view.near,
         depth_far: view.far,

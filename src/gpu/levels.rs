@@ -8,12 +8,12 @@ use super::device::Gpu;
 use super::error::GpuError;
 use super::pipelines::{Stage, module, stage};
 use super::records::{Record, Step, words};
+use super::timer::Timer;
 use super::wgsl;
 use crate::dice::MAX_LEVEL;
 use crate::scheme::{CreaseMethod, Scheme};
 use crate::surface::Surface;
 use crate::topology::{NONE, Topology};
-use super::timer::Timer;
 use std::time::{Duration, Instant};
 use wgpu::BufferUsages as Usage;
 
@@ -74,9 +74,7 @@ impl Counts {
         } = self;
         let next = Self {
             vertices: vertices.checked_add(edges)?.checked_add(faces)?,
-            edges: edges
-                .checked_mul(2)?
-                .checked_add(faces.checked_mul(4)?)?,
+            edges: edges.checked_mul(2)?.checked_add(faces.checked_mul(4)?)?,
             faces: faces.checked_mul(4)?,
         };
         // Numbers of half-edges, three times over, are words of the shaders.
@@ -205,7 +203,11 @@ impl Refiner {
         let halves = [(7, &level.halves)];
         let rest = [(8, &level.rest)];
         let made = [
-            (&s.halves, shared(&s.halves, &[1, 2, 3, 4], &halves), parent.counts.halves()),
+            (
+                &s.halves,
+                shared(&s.halves, &[1, 2, 3, 4], &halves),
+                parent.counts.halves(),
+            ),
             (
                 &s.edges,
                 shared(&s.edges, &[1, 2, 3, 4, 6], &rest),
@@ -401,9 +403,17 @@ fn empty_level(gpu: &Gpu, counts: Counts) -> Result<Level, GpuError> {
     let rest = sharpness + u64::from(counts.edges) + u64::from(counts.vertices);
     Ok(Level {
         counts,
-        halves: gpu.empty("half-edges", 4 * (edges + counts.halves()), usage | Usage::INDEX)?,
+        halves: gpu.empty(
+            "half-edges",
+            4 * (edges + counts.halves()),
+            usage | Usage::INDEX,
+        )?,
         rest: gpu.empty("edges", 4 * rest, usage)?,
-        points: gpu.empty("points", 12 * u64::from(counts.vertices), usage | Usage::VERTEX)?,
+        points: gpu.empty(
+            "points",
+            12 * u64::from(counts.vertices),
+            usage | Usage::VERTEX,
+        )?,
     })
 }
 
@@ -422,12 +432,31 @@ fn first_level(gpu: &Gpu, surface: &Surface) -> Result<Level, GpuError> {
             .write_buffer(buffer, 4 * at, bytemuck::cast_slice(&words));
     };
     let [twins, edge_start] = half_parts(counts);
-    put(&level.halves, 0, halves.clone().map(|h| t.vertex(h)).collect());
-    put(&level.halves, twins, halves.clone().map(|h| t.twin(h)).collect());
-    put(&level.halves, edge_start, halves.map(|h| t.edge(h)).collect());
+    put(
+        &level.halves,
+        0,
+        halves.clone().map(|h| t.vertex(h)).collect(),
+    );
+    put(
+        &level.halves,
+        twins,
+        halves.clone().map(|h| t.twin(h)).collect(),
+    );
+    put(
+        &level.halves,
+        edge_start,
+        halves.map(|h| t.edge(h)).collect(),
+    );
     let [firsts, sharpness] = rest_parts(counts);
-    put(&level.rest, 0, edges.clone().map(|e| t.edge_half(e)).collect());
-    let first = t.fans().iter().map(|f| if f.faces == 0 { NONE } else { f.first });
+    put(
+        &level.rest,
+        0,
+        edges.clone().map(|e| t.edge_half(e)).collect(),
+    );
+    let first = t
+        .fans()
+        .iter()
+        .map(|f| if f.faces == 0 { NONE } else { f.first });
     put(&level.rest, firsts, first.collect());
     let sharp = edges.map(|e| t.edge_sharpness(e));
     let sharp = sharp.chain((0..counts.vertices).map(|v| t.vertex_sharpness(v)));

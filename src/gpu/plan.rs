@@ -6,7 +6,6 @@ use crate::camera::View;
 use crate::dice::FacePatch;
 use crate::frame::{Drawing, Object, Renderer, Scene};
 use crate::patch::PatchKind;
-use crate::shade::ShadeMode;
 use crate::tessellate::Tessellation;
 use crate::topology::NONE;
 
@@ -41,13 +40,9 @@ fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
     if renderer.drawing != Drawing::Limit {
         return refuse("refined control points or cages; --surface limit");
     }
-    if renderer.mode == ShadeMode::Uv {
-        return refuse("texture coordinates");
-    }
     let materials = || scene.materials.iter().chain(&scene.default_material);
-    if materials().any(|m| m.diffuse_map.is_some() || m.opacity_map.is_some() || m.relief.is_some())
-    {
-        return refuse("textures");
+    if materials().any(|m| m.opacity_map.is_some() || m.relief.is_some()) {
+        return refuse("opacity maps, normal maps or bump maps");
     }
     for object in &scene.objects {
         let surface = &object.surface;

@@ -29,6 +29,12 @@ impl Words for u32 {
     }
 }
 
+impl Words for i32 {
+    fn put(&self, out: &mut Vec<u32>) {
+        out.push(self.cast_unsigned());
+    }
+}
+
 impl Words for f32 {
     fn put(&self, out: &mut Vec<u32>) {
         out.push(self.to_bits());
@@ -116,6 +122,8 @@ record! {
         ground: [f32; 4],
         /// Premultiplied background.
         background: [f32; 4],
+        /// Samples in a pixel, 1/256 pixel from its upper left, two by two.
+        offsets: [[i32; 4]; 8],
         /// Near distance.
         near: f32,
         /// Distance where depth is 0.
@@ -214,8 +222,14 @@ record! {
         number: u32,
         /// Material.
         material: u32,
+        /// First entry of its texture coordinates in the list of gathers: where they stand among the control numbers.
+        uv_gather: u32,
+        /// How many there are; 0 without.
+        uv_count: u32,
+        /// First weight of their table, as fine as that of points.
+        uv_table: u32,
         /// Nothing.
-        padding: u32,
+        padding: [u32; 2],
     }
 }
 
@@ -266,6 +280,10 @@ record! {
     Material {
         /// Linear colour.
         diffuse: [f32; 4],
+        /// Where its texture begins among the words of textures, or all bits.
+        map: u32,
+        /// Nothing.
+        padding: [u32; 3],
     }
 }
 

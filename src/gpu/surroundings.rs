@@ -15,6 +15,10 @@ pub(super) struct Surroundings {
     corners: Vec<u32>,
     creases: Vec<Crease>,
     sharp: Vec<Corner>,
+    /// Texture coordinate of the cage for every local one.
+    pub(super) uvs: Vec<u32>,
+    /// Local texture coordinate of every corner, or [`NONE`]; empty without.
+    corner_uvs: Vec<u32>,
 }
 
 /// Finds surroundings in one surface.
@@ -75,6 +79,7 @@ impl<'a> Finder<'a> {
             finder: self,
             out: Surroundings::default(),
             local: HashMap::new(),
+            local_uvs: HashMap::new(),
             faces: HashMap::new(),
             seen_at: Vec::new(),
         };
@@ -96,6 +101,7 @@ struct Walk<'a> {
     finder: &'a Finder<'a>,
     out: Surroundings,
     local: HashMap<u32, u32>,
+    local_uvs: HashMap<u32, u32>,
     faces: HashMap<u32, ()>,
     /// Half-edge in which each local vertex was met first.
     seen_at: Vec<u32>,
@@ -120,6 +126,17 @@ impl Walk<'_> {
                 self.seen_at.push(at);
             }
             self.out.corners.push(local);
+            if let Some(&uv) = self.finder.surface.cage().corner_uvs().get(at as usize) {
+                let next = self.out.uvs.len() as u32;
+                let local = match uv {
+                    NONE => NONE,
+                    uv => *self.local_uvs.entry(uv).or_insert(next),
+                };
+                if local == next {
+                    self.out.uvs.push(uv);
+                }
+                self.out.corner_uvs.push(local);
+            }
             at = t.next(at);
         }
     }
@@ -195,6 +212,13 @@ impl Surroundings {
         key
     }
 
+    /// The same for texture coordinates.
+    pub(super) fn uv_key(&self) -> Vec<u32> {
+        let mut key = self.key();
+        key.extend(&self.corner_uvs);
+        key
+    }
+
     /// Corners of the face itself.
     pub(super) fn size(&self) -> u32 {
         self.sizes.first().copied().unwrap_or(0)
@@ -202,6 +226,11 @@ impl Surroundings {
 
     /// The surface of these faces alone, by the rules of the whole. The face is its face 0.
     pub(super) fn surface(&self, whole: &Surface) -> Surface {
+        self.surface_with(whole, &[])
+    }
+
+    /// The same with values for the texture coordinates, if any.
+    pub(super) fn surface_with(&self, whole: &Surface, uvs: &[[f32; 2]]) -> Surface {
         let mut offsets = vec![0];
         for &size in &self.sizes {
             offsets.push(offsets[offsets.len() - 1] + size);
@@ -216,6 +245,12 @@ impl Surroundings {
                 corners: self.sharp.clone(),
                 holes: Vec::new(),
                 ..tags.clone()
+            },
+            uvs: uvs.to_vec(),
+            corner_uvs: if uvs.is_empty() {
+                Vec::new()
+            } else {
+                self.corner_uvs.clone()
             },
             ..Cage::default()
         };

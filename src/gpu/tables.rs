@@ -154,3 +154,88 @@ fn compact(table: Table, subs: usize) -> Table {
         weights,
     }
 }
+
+/// The weights of texture coordinates of a shape of surroundings.
+#[derive(Clone, Debug, Default)]
+pub(super) struct UvTable {
+    pub(super) level: u32,
+    /// Columns: local texture coordinates.
+    pub(super) count: u32,
+    /// By quad of the face where it is split, by column, by point of the grid.
+    pub(super) weights: Vec<f32>,
+}
+
+impl UvTable {
+    /// First weight of quad `sub`.
+    pub(super) fn offset(&self, sub: u32) -> u32 {
+        let side = (1 << self.level) + 1;
+        sub * self.count * side * side
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        4 * self.weights.len() as u64
+    }
+}
+
+/// Makes the tables of texture coordinates of `shapes` at their levels.
+pub(super) fn make_uvs(
+    surface: &Surface,
+    shapes: &[(Surroundings, u32)],
+    limits: &Limits,
+) -> Result<Vec<UvTable>, LimitError> {
+    let split = surface.is_split();
+    let bytes = shapes.iter().map(|(s, level)| predicted(s, split, *level));
+    limits.memory("the tables of the GPU backend", bytes.sum())?;
+    shapes
+        .par_iter()
+        .map(|(shape, level)| {
+            limits.check()?;
+            Ok(one_uvs(surface, shape, *level))
+        })
+        .collect()
+}
+
+fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> UvTable {
+    let split = whole.is_split();
+    let count = shape.uvs.len();
+    let n = 1_usize << level;
+    let side = n + 1;
+    let subs = if split { shape.size() as usize } else { 1 };
+    let mut weights = vec![0.0_f32; subs * count * side * side];
+    for first in (0..count).step_by(2) {
+        let mut values = vec![[0.0_f32; 2]; count];
+        values[first][0] = 1.0;
+        if let Some(second) = values.get_mut(first + 1) {
+            second[1] = 1.0;
+        }
+        let surface = shape.surface_with(whole, &values);
+        let Some(mut face) = surface.face_evaluator(0) else {
+            continue;
+        };
+        for sub in 0..subs {
+            for j in 0..side {
+                for i in 0..side {
+                    let at = match (whole.is_triangular(), split, shape.size()) {
+                        (true, ..) if j > i => continue,
+                        (true, ..) => [(i - j) as f32 / n as f32, j as f32 / n as f32],
+                        (_, true, 4) => {
+                            let k = quarter(sub, i, j, 2 * n);
+                            let [x, y] = [k % (2 * n + 1), k / (2 * n + 1)];
+                            [x, y].map(|x| x as f32 / (2 * n) as f32)
+                        }
+                        _ => [sub as f32 + i as f32 / n as f32, j as f32 / n as f32],
+                    };
+                    let found = face.uv(at[0], at[1]).unwrap_or_default();
+                    for k in first..count.min(first + 2) {
+                        weights[((sub * count + k) * side + j) * side + i] = found[k - first];
+                    }
+                }
+            }
+        }
+    }
+    UvTable {
+        level,
+        count: count as u32,
+        weights,
+    }
+}

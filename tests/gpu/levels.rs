@@ -9,9 +9,7 @@ use earmark::{Scene, SurfaceOptions};
 fn compare(gpu: &Gpu, name: &str, scene: &Scene, levels: u32) -> (f64, usize) {
     let surface = &scene.objects[0].surface;
     let refiner = Refiner::new(gpu, surface, levels).unwrap();
-    let mut encoder = gpu
-        .device()
-        .create_command_encoder(&Default::default());
+    let mut encoder = gpu.device().create_command_encoder(&Default::default());
     refiner.encode(&mut encoder);
     gpu.queue().submit([encoder.finish()]);
     let options = surface.refine_options();
@@ -20,7 +18,10 @@ fn compare(gpu: &Gpu, name: &str, scene: &Scene, levels: u32) -> (f64, usize) {
     let mut level =
         Level::<f32>::of_cage(surface.cage(), topology, Scheme::CatmullClark, rule).unwrap();
     let [low, high] = surface.cage().bounds();
-    let size = (0..3).map(|k| f64::from(high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
+    let size = (0..3)
+        .map(|k| f64::from(high[k] - low[k]).powi(2))
+        .sum::<f64>()
+        .sqrt();
     let (mut far, mut count) = (0.0_f64, 0);
     for k in 1..=levels as usize {
         level = level.next(&options, &mut Timings::default()).unwrap();
@@ -30,7 +31,9 @@ fn compare(gpu: &Gpu, name: &str, scene: &Scene, levels: u32) -> (f64, usize) {
         assert_eq!(corners, want, "{name}: corners of level {k}");
         assert_eq!(points.len(), 3 * level.points.len(), "{name}: level {k}");
         for (got, want) in points.chunks_exact(3).zip(&level.points) {
-            let off = (0..3).map(|c| f64::from(got[c] - want[c]).powi(2)).sum::<f64>();
+            let off = (0..3)
+                .map(|c| f64::from(got[c] - want[c]).powi(2))
+                .sum::<f64>();
             far = far.max(off.sqrt() / size);
             count += 1;
         }
@@ -54,7 +57,10 @@ fn levels_are_the_processors() {
         let scene = asset(name, SurfaceOptions::default());
         if !scene.objects[0].surface.topology().all_quads() {
             let refused = Refiner::new(&gpu, &scene.objects[0].surface, 1);
-            assert!(matches!(refused, Err(GpuError::Unsupported { .. })), "{name}");
+            assert!(
+                matches!(refused, Err(GpuError::Unsupported { .. })),
+                "{name}"
+            );
             continue;
         }
         let (far, count) = compare(&gpu, name, &scene, levels);

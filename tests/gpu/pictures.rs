@@ -1,6 +1,6 @@
 //! Pictures against the processor's goldens, and what a picture costs.
 
-use crate::{asset, common, gpu, gpu_with, torus, uniform};
+use crate::{asset, common, gpu, gpu_with, plain, torus, uniform};
 use earmark::film::Image;
 use earmark::frame::{Drawing, Refinement};
 use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene};
@@ -30,7 +30,10 @@ fn check(name: &str, got: &Image, want: &Image) -> (f64, u8) {
             std::fs::write(out.join(format!("{name}.{kind}.png")), png).unwrap();
         }
     }
-    println!("gpu picture {name}: mean {:.4}, 99.9th percentile {}", found.0, found.1);
+    println!(
+        "gpu picture {name}: mean {:.4}, 99.9th percentile {}",
+        found.0, found.1
+    );
     assert!(found.0 <= 0.1, "{name}: mean {}", found.0);
     assert!(found.1 <= 2, "{name}: 99.9th percentile {}", found.1);
     found
@@ -64,25 +67,123 @@ fn pictures_are_the_goldens() {
     use Scheme::{Bilinear, CatmullClark, Loop};
     use ShadeMode::{Depth, Level, Lit, Normals};
     for a in [
-        "corner", "cube", "fan24", "fan3", "fan5", "fan8", "grid", "mobius", "octahedron", "part",
-        "tetrahedron", "torus",
+        "corner",
+        "cube",
+        "fan24",
+        "fan3",
+        "fan5",
+        "fan8",
+        "grid",
+        "mobius",
+        "octahedron",
+        "part",
+        "tetrahedron",
+        "torus",
     ] {
         let name = format!("{a}_catmull-clark_l3");
         add(&name, a, CatmullClark, 3, Lit, 4, camera);
     }
-    add("creature_catmull-clark_l4", "creature", CatmullClark, 4, Lit, 4, camera);
-    add("creature_catmull-clark_l2_normals", "creature", CatmullClark, 2, Normals, 1, camera);
+    add(
+        "creature_catmull-clark_l4",
+        "creature",
+        CatmullClark,
+        4,
+        Lit,
+        4,
+        camera,
+    );
+    add(
+        "creature_catmull-clark_l2_normals",
+        "creature",
+        CatmullClark,
+        2,
+        Normals,
+        1,
+        camera,
+    );
     let turned = camera.with_ortho().with_orbit(200.0, 10.0);
-    add("creature_catmull-clark_l3_ortho_16", "creature", CatmullClark, 3, Lit, 16, turned);
-    add("creature_catmull-clark_l3_single", "creature", CatmullClark, 3, Lit, 1, camera);
-    add("part_catmull-clark_l6_single", "part", CatmullClark, 6, Lit, 1, camera);
-    add("part_catmull-clark_l2_depth", "part", CatmullClark, 2, Depth, 1, camera);
-    add("part_catmull-clark_l7_near", "part", CatmullClark, 7, Lit, 4, camera.with_zoom(6.0));
-    add("torus_catmull-clark_l6_level", "torus", CatmullClark, 6, Level, 1, camera);
-    add("part_creased_catmull-clark_l3", "part_creased", CatmullClark, 3, Lit, 4, camera);
-    add("part_creased_bilinear_l2", "part_creased", Bilinear, 2, Lit, 4, camera);
+    add(
+        "creature_catmull-clark_l3_ortho_16",
+        "creature",
+        CatmullClark,
+        3,
+        Lit,
+        16,
+        turned,
+    );
+    add(
+        "creature_catmull-clark_l3_single",
+        "creature",
+        CatmullClark,
+        3,
+        Lit,
+        1,
+        camera,
+    );
+    add(
+        "part_catmull-clark_l6_single",
+        "part",
+        CatmullClark,
+        6,
+        Lit,
+        1,
+        camera,
+    );
+    add(
+        "part_catmull-clark_l2_depth",
+        "part",
+        CatmullClark,
+        2,
+        Depth,
+        1,
+        camera,
+    );
+    add(
+        "part_catmull-clark_l7_near",
+        "part",
+        CatmullClark,
+        7,
+        Lit,
+        4,
+        camera.with_zoom(6.0),
+    );
+    add(
+        "torus_catmull-clark_l6_level",
+        "torus",
+        CatmullClark,
+        6,
+        Level,
+        1,
+        camera,
+    );
+    add(
+        "part_creased_catmull-clark_l3",
+        "part_creased",
+        CatmullClark,
+        3,
+        Lit,
+        4,
+        camera,
+    );
+    add(
+        "part_creased_bilinear_l2",
+        "part_creased",
+        Bilinear,
+        2,
+        Lit,
+        4,
+        camera,
+    );
     add("octahedron_loop_l4", "octahedron", Loop, 4, Lit, 4, camera);
-    add("tetrahedron_loop_l6", "tetrahedron", Loop, 6, Lit, 4, camera);
+    add(
+        "tetrahedron_loop_l6",
+        "tetrahedron",
+        Loop,
+        6,
+        Lit,
+        4,
+        camera,
+    );
     let (mut worst, mut run) = ((0.0_f64, 0), 0);
     for (name, file, scheme, level, mode, samples, camera) in cases {
         let options = SurfaceOptions {
@@ -98,7 +199,10 @@ fn pictures_are_the_goldens() {
         worst = (worst.0.max(found.0), worst.1.max(found.1));
         run += 1;
     }
-    println!("gpu pictures: {run} cases, mean at most {:.4}, 99.9th percentile at most {}", worst.0, worst.1);
+    println!(
+        "gpu pictures: {run} cases, mean at most {:.4}, 99.9th percentile at most {}",
+        worst.0, worst.1
+    );
 }
 
 #[test]
@@ -119,7 +223,10 @@ fn tessellated_pictures_are_the_processors() {
         };
         let scene = asset(name, options);
         let tags = Refinement::DepthTags(DepthTags::by_distance());
-        for (what, refinement) in [("adaptive", Refinement::Default { max_level: 8 }), ("tags", tags)] {
+        for (what, refinement) in [
+            ("adaptive", Refinement::Default { max_level: 8 }),
+            ("tags", tags),
+        ] {
             let mut renderer = Renderer::new(256, 256);
             renderer.refinement = refinement;
             let camera = Camera::default();
@@ -142,7 +249,10 @@ fn close_views_are_clipped_like_the_processors() {
     let scene = asset("torus", SurfaceOptions::default());
     let mut run = 0;
     // Inside of the ring, and through the surface.
-    for (eye, target) in [([0.0, 0.2, 0.0], [0.0, 0.0, 1.0]), ([1.35, 0.05, 0.0], [0.0, 0.0, 0.6])] {
+    for (eye, target) in [
+        ([0.0, 0.2, 0.0], [0.0, 0.0, 1.0]),
+        ([1.35, 0.05, 0.0], [0.0, 0.0, 0.6]),
+    ] {
         for level in [1, 3] {
             let camera = Camera::default()
                 .with_eye_target(eye, target)
@@ -185,7 +295,7 @@ fn both_kinds_of_keys_give_the_same_picture() {
 fn chunks_and_bands_change_no_byte() {
     let Some(whole) = gpu("chunks") else { return };
     let small = DeviceOptions {
-        max_binding: 300_000,
+        max_binding: 1_500_000,
         ..DeviceOptions::default()
     };
     let Some(small) = gpu_with("chunks", &small) else {
@@ -193,12 +303,16 @@ fn chunks_and_bands_change_no_byte() {
     };
     let mut run = 0;
     for name in ["creature", "part_creased"] {
-        let scene = asset(name, SurfaceOptions::default());
-        let renderer = uniform(200, 150, 4);
+        let scene = plain(asset(name, SurfaceOptions::default()));
+        let renderer = uniform(400, 300, 4);
         let camera = Camera::default();
         let mut parts = GpuScene::new(&small, &renderer, &scene, &camera).unwrap();
         let got = parts.draw().unwrap();
-        assert!(got.stats.chunks > 3 && got.stats.bands > 2, "{:?}", got.stats);
+        assert!(
+            got.stats.chunks > 1 && got.stats.bands > 2,
+            "{:?}",
+            got.stats
+        );
         let want = draw(&whole, &renderer, &scene, &camera);
         assert_eq!(got.image.data, want.data, "{name}");
         run += 1;
@@ -208,7 +322,9 @@ fn chunks_and_bands_change_no_byte() {
 
 #[test]
 fn scenes_above_a_binding_are_drawn() {
-    let Some(gpu) = gpu("large scene") else { return };
+    let Some(gpu) = gpu("large scene") else {
+        return;
+    };
     // 1,440 quads at level 6: 6.3 million points of 24 bytes.
     let scene = torus(48, 30);
     let renderer = uniform(256, 256, 6);
@@ -220,7 +336,11 @@ fn scenes_above_a_binding_are_drawn() {
     }
     let want = renderer.render(&scene, &Camera::default()).unwrap().image;
     check("large_scene", &got.image, &want);
-    println!("gpu large scene: {} MiB in {} chunks", got.stats.scene_bytes >> 20, got.stats.chunks);
+    println!(
+        "gpu large scene: {} MiB in {} chunks",
+        got.stats.scene_bytes >> 20,
+        got.stats.chunks
+    );
 }
 
 #[test]
@@ -248,7 +368,10 @@ fn nothing_but_the_picture_is_read_back() {
     // Back again, and the picture is the same.
     ready.move_points(&points).unwrap();
     assert_eq!(ready.draw().unwrap().image.data, first.image.data);
-    println!("gpu copies: up {} bytes with moved points, down {} bytes", third.stats.bytes_up, third.stats.bytes_down);
+    println!(
+        "gpu copies: up {} bytes with moved points, down {} bytes",
+        third.stats.bytes_up, third.stats.bytes_down
+    );
 }
 
 #[test]
@@ -261,7 +384,10 @@ fn what_is_not_drawn_is_refused() {
     };
     assert_eq!(ask(&renderer, &scene), Ok(()));
     renderer.drawing = Drawing::Cage;
-    assert!(matches!(ask(&renderer, &scene), Err(GpuError::Unsupported { .. })));
+    assert!(matches!(
+        ask(&renderer, &scene),
+        Err(GpuError::Unsupported { .. })
+    ));
     renderer.drawing = Drawing::Limit;
     renderer.size.samples = 3;
     assert!(matches!(ask(&renderer, &scene), Err(GpuError::Render(_))));
@@ -273,7 +399,10 @@ fn what_is_not_drawn_is_refused() {
         name: Some("no such adapter".to_owned()),
         ..DeviceOptions::default()
     };
-    assert!(matches!(Gpu::open(&missing), Err(GpuError::NoSuchAdapter { .. })));
+    assert!(matches!(
+        Gpu::open(&missing),
+        Err(GpuError::NoSuchAdapter { .. })
+    ));
     let tiny = DeviceOptions {
         max_binding: 1000,
         ..DeviceOptions::default()

@@ -17,7 +17,18 @@ fn software_is_refused_unless_allowed() {
     let _ = std::fs::remove_file(&out);
     let out = out.to_str().unwrap();
     let mut arguments = vec![
-        "render", "assets/creature.obj", "-o", out, "-s", "128x96", "-l", "2", "--backend", "gpu", "--stats", "-",
+        "render",
+        "assets/creature.obj",
+        "-o",
+        out,
+        "-s",
+        "128x96",
+        "-l",
+        "2",
+        "--backend",
+        "gpu",
+        "--stats",
+        "-",
     ];
     if gpu.adapter().kind == earmark::gpu::AdapterKind::Software {
         let refused = earmark(&arguments);
@@ -28,7 +39,12 @@ fn software_is_refused_unless_allowed() {
     }
     arguments.push("--allow-software-gpu");
     let drawn = earmark(&arguments);
-    assert_eq!(drawn.status.code(), Some(0), "{}", String::from_utf8_lossy(&drawn.stderr));
+    assert_eq!(
+        drawn.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&drawn.stderr)
+    );
     assert!(std::path::Path::new(out).exists());
     let stats: serde_json::Value = serde_json::from_slice(&drawn.stdout).unwrap();
     assert_eq!(stats["read_backs"], 1);
@@ -41,6 +57,10 @@ fn software_is_refused_unless_allowed() {
     let listed = earmark(&["info", "--gpu", "--json"]);
     let list: serde_json::Value = serde_json::from_slice(&listed.stdout).unwrap();
     let names = list["adapters"].as_array().unwrap();
-    assert!(names.iter().any(|a| a["name"] == gpu.adapter().name.as_str()));
+    assert!(
+        names
+            .iter()
+            .any(|a| a["name"] == gpu.adapter().name.as_str())
+    );
     println!("gpu program: 4 cases");
 }

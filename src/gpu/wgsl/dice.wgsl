@@ -14,6 +14,9 @@
 @group(0) @binding(8) var<storage, read> moves: array<Move>;
 @group(0) @binding(9) var<storage, read_write> points: array<f32>;
 
+// Texture coordinates, at the same places as points.
+@group(0) @binding(10) var<storage, read_write> uvs: array<vec2<f32>>;
+
 struct Jet {
     p: vec3<f32>,
     du: vec3<f32>,
@@ -140,6 +143,16 @@ fn shared_spot(face: Face, x: u32, y: u32) -> u32 {
     return NOWHERE;
 }
 
+// Each face's own: no others need agree.
+fn texture_coordinates(face: Face, place: u32) -> vec2<f32> {
+    var uv = vec2<f32>(0.0);
+    for (var k = 0u; k < face.uv_count; k++) {
+        let at = gathers[face.uv_gather + k];
+        uv += weights[face.uv_table + k * face.row * face.row + place] * vec2<f32>(control[at], control[at + 1u]);
+    }
+    return uv;
+}
+
 @compute @workgroup_size(64)
 fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let number = group.y * chunk.groups + group.x;
@@ -163,11 +176,15 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             // Above the diagonal all is folded onto it.
             x = max(x, y);
         }
+        let place = ((y << face.shift) * face.row) + (x << face.shift);
+        if face.uv_count > 0u {
+            uvs[block.base + at] = texture_coordinates(face, place);
+        }
         let spot = shared_spot(face, x, y);
         if spot != NOWHERE {
             copy(spot, block.base + at);
         } else {
-            let jet = evaluate(face.stencil, ((y << face.shift) * face.row) + (x << face.shift));
+            let jet = evaluate(face.stencil, place);
             put(block.base + at, jet.p, normal(jet));
         }
     }

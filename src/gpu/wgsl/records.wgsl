@@ -20,6 +20,7 @@ struct Frame {
     sky: vec4<f32>,
     ground: vec4<f32>,
     background: vec4<f32>,
+    offsets: array<vec4<i32>, 8>,
     near: f32,
     depth_near: f32,
     depth_far: f32,
@@ -69,7 +70,10 @@ struct Face {
     reach: u32,
     number: u32,
     material: u32,
-    padding: u32,
+    uv_gather: u32,
+    uv_count: u32,
+    uv_table: u32,
+    padding: vec2<u32>,
 }
 
 struct Block {
@@ -95,6 +99,8 @@ struct Move {
 
 struct Material {
     diffuse: vec4<f32>,
+    map: u32,
+    padding: array<u32, 3>,
 }
 
 struct Step {

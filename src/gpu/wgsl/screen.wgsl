@@ -38,27 +38,10 @@ fn project(p: vec3<f32>) -> Vertex {
     return Vertex(i32(round(x)), i32(round(y)), depth);
 }
 
-// Offsets from a pixel's upper left, 1/256 pixel: src/raster/samples.rs.
-const FOUR = array<vec2<i32>, 4>(vec2<i32>(96, 32), vec2<i32>(224, 96), vec2<i32>(32, 160), vec2<i32>(160, 224));
-const EIGHT = array<vec2<i32>, 8>(
-    vec2<i32>(144, 80), vec2<i32>(112, 176), vec2<i32>(208, 144), vec2<i32>(80, 48),
-    vec2<i32>(48, 208), vec2<i32>(16, 112), vec2<i32>(176, 240), vec2<i32>(240, 16));
-const SIXTEEN = array<vec2<i32>, 16>(
-    vec2<i32>(144, 144), vec2<i32>(112, 80), vec2<i32>(80, 160), vec2<i32>(192, 112),
-    vec2<i32>(48, 96), vec2<i32>(160, 208), vec2<i32>(208, 176), vec2<i32>(176, 48),
-    vec2<i32>(96, 224), vec2<i32>(128, 16), vec2<i32>(64, 32), vec2<i32>(32, 192),
-    vec2<i32>(0, 128), vec2<i32>(240, 64), vec2<i32>(224, 240), vec2<i32>(16, 0));
-
-fn sample_offset(samples: u32, k: u32) -> vec2<i32> {
-    var four = FOUR;
-    var eight = EIGHT;
-    var sixteen = SIXTEEN;
-    switch samples {
-        case 4u: { return four[k & 3u]; }
-        case 8u: { return eight[k & 7u]; }
-        case 16u: { return sixteen[k & 15u]; }
-        default: { return vec2<i32>(128, 128); }
-    }
+// Offset of sample `k` from a pixel's upper left, 1/256 pixel.
+fn sample_offset(k: u32) -> vec2<i32> {
+    let pair = frame.offsets[k >> 1u];
+    return select(pair.xy, pair.zw, (k & 1u) == 1u);
 }
 
 // First pixel whose sample is at or after a place.

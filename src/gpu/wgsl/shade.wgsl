@@ -11,9 +11,14 @@
 @group(0) @binding(6) var<storage, read> materials: array<Material>;
 @group(0) @binding(7) var<storage, read_write> sums: array<vec4<f32>>;
 
+@group(0) @binding(8) var<storage, read> uvs: array<vec2<f32>>;
+// Textures one after the other, as src/texture.rs lays them out.
+@group(0) @binding(9) var<storage, read> textures: array<u32>;
+
 const LIT = 0u;
 const FLAT = 1u;
 const NORMALS = 2u;
+const UV = 3u;
 const DEPTH = 4u;
 
 const LEVEL_COLORS = array<vec3<f32>, 11>(
@@ -94,6 +99,90 @@ fn ray(p: vec2<i32>) -> vec3<f32> {
     return frame.ray_x.xyz * s.x + (frame.ray_y.xyz * s.y + frame.ray_0.xyz);
 }
 
+// Side of the square in texture coordinates that covers the area of a pixel, from differences along the grid.
+fn footprint(base: u32, side_len: u32, i: u32, j: u32) -> f32 {
+    let i0 = base + j * side_len + max(i, 1u) - 1u;
+    let i1 = base + j * side_len + min(i + 1u, side_len - 1u);
+    let j0 = base + (max(j, 1u) - 1u) * side_len + i;
+    let j1 = base + min(j + 1u, side_len - 1u) * side_len + i;
+    let a = project(position(i0));
+    let b = project(position(i1));
+    let c = project(position(j0));
+    let d = project(position(j1));
+    let su = vec2<f32>(f32(b.x - a.x), f32(b.y - a.y)) / 256.0;
+    let sv = vec2<f32>(f32(d.x - c.x), f32(d.y - c.y)) / 256.0;
+    let tu = uvs[i1] - uvs[i0];
+    let tv = uvs[j1] - uvs[j0];
+    let pixels = abs(su.x * sv.y - su.y * sv.x);
+    return sqrt(abs(tu.x * tv.y - tu.y * tv.x) / max(pixels, 1.0 / 256.0));
+}
+
+fn log2_rough(x: f32) -> f32 {
+    let bits = bitcast<u32>(max(x, SMALLEST));
+    let m = bitcast<f32>((bits & 0x007fffffu) | 0x3f800000u) - 1.0;
+    return f32(i32(bits >> 23u) - 127) + m * (1.346 - 0.346 * m);
+}
+
+// The fractional part, from 0 to below 1.
+fn wrap(x: f32) -> f32 {
+    if !(abs(x) < 16777216.0) {
+        return 0.0;
+    }
+    let f = x - trunc(x);
+    let g = select(f, f + 1.0, f < 0.0);
+    return select(0.0, g, g < 1.0);
+}
+
+fn texel(map: u32, at: u32) -> vec3<f32> {
+    let first = textures[map + 2u];
+    if textures[map + 4u] != 0u {
+        let rg = textures[first + 2u * at];
+        let ba = textures[first + 2u * at + 1u];
+        return vec3<f32>(f32(rg & 0xffffu), f32(rg >> 16u), f32(ba & 0xffffu)) * (1.0 / 65535.0);
+    }
+    let word = textures[first + at];
+    let values = textures[map + 3u];
+    return vec3<f32>(
+        bitcast<f32>(textures[values + (word & 255u)]),
+        bitcast<f32>(textures[values + ((word >> 8u) & 255u)]),
+        bitcast<f32>(textures[values + ((word >> 16u) & 255u)]));
+}
+
+// The two texels around a coordinate along a side of n.
+fn neighbours(x: f32, n: i32) -> vec2<i32> {
+    let p = x * f32(n) - 0.5;
+    var i = select(i32(p), -1, p < 0.0);
+    i = select(select(i, i - n, i >= n), i + n, i < 0);
+    return vec2<i32>(i, select(i + 1, 0, i + 1 == n));
+}
+
+fn share(x: f32, n: i32) -> f32 {
+    let p = x * f32(n) - 0.5;
+    return p - f32(select(i32(p), -1, p < 0.0));
+}
+
+fn bilinear(map: u32, level: u32, u: f32, v: f32) -> vec3<f32> {
+    let sizes = textures[map + 1u] + 3u * level;
+    let width = i32(textures[sizes]);
+    let height = i32(textures[sizes + 1u]);
+    let start = i32(textures[sizes + 2u]);
+    let x = neighbours(u, width);
+    let y = neighbours(v, height);
+    let top = mix(texel(map, u32(start + y.x * width + x.x)), texel(map, u32(start + y.x * width + x.y)), share(u, width));
+    let low = mix(texel(map, u32(start + y.y * width + x.x)), texel(map, u32(start + y.y * width + x.y)), share(u, width));
+    return mix(top, low, share(v, height));
+}
+
+fn sample_texture(map: u32, uv: vec2<f32>, side: f32) -> vec3<f32> {
+    let u = wrap(uv.x);
+    let v = 1.0 - wrap(uv.y);
+    let last = textures[map] - 1u;
+    let lod = clamp(log2_rough(side) + bitcast<f32>(textures[map + 5u]), 0.0, f32(last));
+    let level = u32(lod);
+    let a = bilinear(map, level, u, v);
+    return mix(a, bilinear(map, min(level + 1u, last), u, v), lod - f32(level));
+}
+
 fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
     let block = blocks[id.rank - chunk.first_rank];
     let face = faces[block.face];
@@ -120,8 +209,24 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
         return select(vec3<f32>(0.5), unit(n) * 0.5 + 0.5, has_direction(n));
     }
     // The last one is that of faces without any.
-    let albedo = materials[min(face.material, arrayLength(&materials) - 1u)].diffuse.xyz;
-    if frame.mode == LIT && at.side != 2.0 {
+    let material = materials[min(face.material, arrayLength(&materials) - 1u)];
+    var albedo = material.diffuse.xyz;
+    let textured = face.uv_count > 0u;
+    if textured {
+        let uv = (at.w.x * uvs[first] + at.w.y * uvs[at_m]) + at.w.z * uvs[at_c];
+        if frame.mode == UV {
+            return vec3<f32>(uv_color(uv.x), uv_color(uv.y), 0.0);
+        }
+        if material.map != 0xffffffffu {
+            let side = at.w.x * footprint(block.base, side_len, id.col, id.line)
+                + at.w.y * footprint(block.base, side_len, id.col + select(1u, 0u, id.half == 1u), id.line + select(0u, 1u, id.half == 1u))
+                + at.w.z * footprint(block.base, side_len, id.col + 1u, id.line + 1u);
+            albedo *= sample_texture(material.map, uv, side);
+        }
+    } else if frame.mode == UV {
+        return vec3<f32>(0.0);
+    }
+    if frame.mode == LIT && at.side != 2.0 && !textured {
         let to_eye = ray(p);
         if !has_direction(n) {
             n = select(to_eye * select(sign(at.side), 1.0, at.side == 0.0), geometric, has_direction(geometric));
@@ -149,6 +254,10 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
     let tone = (0.55 + 0.45 * facing) * select(1.0, 0.86, (face.number & 1u) == 1u);
     var colors = LEVEL_COLORS;
     return colors[block.level % 11u] * tone;
+}
+
+fn uv_color(x: f32) -> f32 {
+    return select(x - floor(x), x, x >= 0.0 && x <= 1.0);
 }
 
 fn near(a: Id, b: Id, reach: u32) -> bool {
@@ -193,7 +302,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 }
             }
         }
-        let rgb = color(id, origin + sample_offset(frame.samples, s));
+        let rgb = color(id, origin + sample_offset(s));
         sum += vec4<f32>(clamp(rgb, vec3<f32>(0.0), vec3<f32>(1.0)), 1.0) * count;
     }
     if sum.w > 0.0 {

@@ -28,7 +28,7 @@ fn triangle(a: Vertex, m: Vertex, c: Vertex, id: u32) {
     let t1 = threshold(e1.x, e1.y);
     let t2 = threshold(e2.x, e2.y);
     for (var s = 0u; s < frame.samples; s++) {
-        let offset = sample_offset(frame.samples, s);
+        let offset = sample_offset(s);
         let x0 = max(first_pixel(low.x, offset.x), 0);
         let x1 = min(first_pixel(high.x, offset.x), i32(frame.width));
         let y0 = max(first_pixel(low.y, offset.y), i32(frame.band_start));
