@@ -3,6 +3,8 @@
 //! Runs when EARMARK_GPU=1; then a machine without an adapter fails. Without it every test says that it was not run. Reference models take
 //! part when EARMARK_SHARED names their folder.
 
+#![allow(clippy::print_stdout)]
+
 mod common;
 #[path = "gpu/levels.rs"]
 mod levels;

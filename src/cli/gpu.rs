@@ -12,8 +12,7 @@ mod without {
     use crate::cli::exit::{Code, Failure};
     use crate::cli::flags::PictureFlags;
     use crate::cli::job::Job;
-    use crate::cli::stats::Json;
-    use earmark::frame::Finished;
+    use crate::cli::render::Drawn;
     use earmark::{Camera, Renderer, Scene};
 
     fn missing<T>() -> Result<T, Failure> {
@@ -33,7 +32,7 @@ mod without {
         _: &Renderer,
         _: &Scene,
         _: &Camera,
-    ) -> Result<(Finished, Vec<(&'static str, Json)>), Failure> {
+    ) -> Result<Drawn, Failure> {
         missing()
     }
     pub(in crate::cli) fn frame(_: &Job, _: &Arguments, _: &Scene) -> Result<Outcome, Failure> {
@@ -51,6 +50,7 @@ mod with {
     use crate::cli::exit::{Code, Failure};
     use crate::cli::flags::PictureFlags;
     use crate::cli::job::{Job, print_text};
+    use crate::cli::render::Drawn;
     use crate::cli::stats::{Clock, Json, Time};
     use earmark::frame::{Finished, FrameStats, Refinement};
     use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene, GpuStats, Refiner, adapters};
@@ -148,7 +148,7 @@ mod with {
         renderer: &Renderer,
         scene: &Scene,
         camera: &Camera,
-    ) -> Result<(Finished, Vec<(&'static str, Json)>), Failure> {
+    ) -> Result<Drawn, Failure> {
         let gpu = open(picture)?;
         let mut ready = job.time("tables", |_| {
             Ok::<_, Failure>(GpuScene::new(&gpu, renderer, scene, camera)?)

@@ -186,8 +186,11 @@ fn scene(job: &mut Job, a: &Arguments) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
+/// A picture, and what statistics say of it beside what every picture has.
+pub(crate) type Drawn = (Finished, Vec<(&'static str, Json)>);
+
 /// Draws the models of the arguments, with all warnings said.
-fn draw(job: &mut Job, a: &Arguments) -> Result<(Finished, Vec<(&'static str, Json)>), Failure> {
+fn draw(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
     if a.picture.backend == Backend::Gpu {
         gpu::check()?;
     }

@@ -3,11 +3,11 @@
 
 use super::error::GpuError;
 use super::plan::ObjectPlan;
-use super::records::{Block, Chunk, Face, Move, POINT_FLOATS, Spot, Stencil, words};
+use super::records::{Block, Chunk, Face, Move, POINT_FLOATS, Record, Spot, Stencil, words};
 use super::surroundings::{Finder, Surroundings};
 use super::tables::{self, Table, UvTable};
 use crate::frame::{Object, Scene};
-use crate::limits::{LimitError, Limits};
+use crate::limits::Limits;
 use crate::scheme::Scheme;
 use crate::surface::Surface;
 use crate::topology::NONE;
@@ -28,6 +28,8 @@ pub(super) struct Dicer<'a> {
     uv_tables: Vec<UvTable>,
     /// First of the object's texture coordinates among the control numbers.
     first_uv: u32,
+    /// See [`Face::colors`].
+    colors: u32,
     /// Per edge of the whole quads, the level of the points on it; [`NONE`] where nothing is drawn.
     edge_levels: Vec<u32>,
 }
@@ -43,10 +45,10 @@ impl<'a> Dicer<'a> {
     pub(super) fn new(
         object: &'a Object,
         plan: &ObjectPlan,
-        [first_point, first_face, first_uv]: [u32; 3],
+        [first_point, first_face, first_uv, first_color]: [u32; 4],
         wants_uvs: bool,
         limits: &Limits,
-    ) -> Result<Self, LimitError> {
+    ) -> Result<Self, GpuError> {
         let surface = &object.surface;
         let mut dicer = Self {
             object,
@@ -58,14 +60,33 @@ impl<'a> Dicer<'a> {
             uv_shapes: HashMap::new(),
             uv_tables: Vec::new(),
             first_uv,
+            // Control points come first, so a place after them is above this product.
+            colors: match surface.cage().colors().is_empty() {
+                true => 0,
+                false => first_color - 3 * first_point,
+            },
             edge_levels: vec![NONE; surface.whole_quads().edge_count()],
         };
+        dicer.check()?;
         let needs = dicer.needs(plan);
         dicer.make_tables(&needs, limits)?;
         if wants_uvs && surface.has_uvs() {
             dicer.make_uv_tables(limits)?;
         }
         Ok(dicer)
+    }
+
+    /// Tables grow with the faces around a vertex, and with the corners of a face.
+    fn check(&self) -> Result<(), GpuError> {
+        let t = self.surface.topology();
+        let most = t.fans().iter().map(|f| f.faces).max().unwrap_or(0);
+        let corners = (0..t.face_count() as u32).map(|f| t.face_halves(f).len() as u32);
+        if most.max(corners.max().unwrap_or(0)) > MOST_AROUND {
+            return Err(GpuError::Unsupported {
+                what: "vertices of more than 512 faces, or faces of as many corners",
+            });
+        }
+        Ok(())
     }
 
     /// Levels that faces of the cage have to be known at: their own blocks', and those of sides and corners that they own.
@@ -109,7 +130,7 @@ impl<'a> Dicer<'a> {
         needs
     }
 
-    fn make_tables(&mut self, needs: &[u32], limits: &Limits) -> Result<(), LimitError> {
+    fn make_tables(&mut self, needs: &[u32], limits: &Limits) -> Result<(), GpuError> {
         let finder = Finder::new(self.surface);
         let mut numbers: HashMap<Vec<u32>, u32> = HashMap::new();
         let mut shapes: Vec<(Surroundings, u32)> = Vec::new();
@@ -136,7 +157,7 @@ impl<'a> Dicer<'a> {
     }
 
     /// Tables of texture coordinates, as fine as those of points.
-    fn make_uv_tables(&mut self, limits: &Limits) -> Result<(), LimitError> {
+    fn make_uv_tables(&mut self, limits: &Limits) -> Result<(), GpuError> {
         let mut numbers: HashMap<(Vec<u32>, u32), u32> = HashMap::new();
         let mut shapes: Vec<(Surroundings, u32)> = Vec::new();
         let mut faces: Vec<u32> = self.faces.keys().copied().collect();
@@ -252,6 +273,17 @@ impl ChunkData {
         self.spots.len() as u32 + self.block_points
     }
 
+    /// Bytes that it takes here.
+    fn bytes(&self) -> u128 {
+        let words = self.weights.len() + self.gathers.len();
+        let records = self.spots.len() * Spot::SIZE
+            + self.faces.len() * Face::SIZE
+            + self.blocks.len() * (Block::SIZE + size_of::<NamedBlock>())
+            + self.moves.len() * Move::SIZE
+            + self.stencils.len() * Stencil::SIZE;
+        (4 * words + records) as u128
+    }
+
     pub(super) fn record(&self, phase: u32, groups: u32) -> Chunk {
         Chunk {
             first_rank: self.first_rank,
@@ -277,11 +309,12 @@ impl ChunkData {
 }
 
 /// Makes the chunks of a scene.
-struct Builder<'a> {
+struct Builder {
     /// Bytes of the largest buffer.
     limit: u64,
     data: ChunkData,
-    dicer: Option<&'a Dicer<'a>>,
+    /// Of all chunks that are done.
+    bytes: u128,
     stencils: HashMap<u32, u32>,
     tables: HashMap<u32, u32>,
     uv_tables: HashMap<u32, u32>,
@@ -290,6 +323,8 @@ struct Builder<'a> {
     done: Vec<ChunkData>,
 }
 
+/// Most faces around a vertex, and corners of a face.
+const MOST_AROUND: u32 = 512;
 /// Blocks of a chunk that an entry of the list of large quads can name.
 const MOST_BLOCKS: usize = 1 << 22;
 
@@ -299,11 +334,12 @@ pub(super) fn chunks(
     dicers: &[Dicer<'_>],
     plans: &[ObjectPlan],
     limit: u64,
+    limits: &Limits,
 ) -> Result<Vec<ChunkData>, GpuError> {
     let mut builder = Builder {
         limit,
         data: ChunkData::default(),
-        dicer: None,
+        bytes: 0,
         stencils: HashMap::new(),
         tables: HashMap::new(),
         uv_tables: HashMap::new(),
@@ -312,18 +348,20 @@ pub(super) fn chunks(
         done: Vec::new(),
     };
     for ((dicer, plan), _) in dicers.iter().zip(plans).zip(&scene.objects) {
-        builder.close();
-        builder.dicer = Some(dicer);
+        builder.close(limits)?;
         for blocks in plan.blocks.chunk_by(|a, b| a.quad == b.quad) {
-            builder.add(dicer, plan, blocks)?;
+            builder.add(dicer, plan, blocks, limits)?;
         }
     }
-    builder.close();
+    builder.close(limits)?;
     Ok(builder.done)
 }
 
-impl Builder<'_> {
-    fn close(&mut self) {
+impl Builder {
+    fn close(&mut self, limits: &Limits) -> Result<(), GpuError> {
+        limits.check()?;
+        self.bytes += self.data.bytes();
+        limits.memory("the chunks of the GPU backend", self.bytes)?;
         let next = self.data.first_rank + self.data.blocks.len() as u32;
         if !self.data.blocks.is_empty() {
             self.done.push(std::mem::take(&mut self.data));
@@ -334,6 +372,7 @@ impl Builder<'_> {
         self.uv_tables.clear();
         self.corners.clear();
         self.sides.clear();
+        Ok(())
     }
 
     /// Faces that a quad's points come from.
@@ -388,12 +427,13 @@ impl Builder<'_> {
         dicer: &Dicer<'_>,
         plan: &ObjectPlan,
         blocks: &[super::plan::PlannedBlock],
+        limits: &Limits,
     ) -> Result<(), GpuError> {
         let too_large = |bytes: &[u64; 3]| bytes.iter().any(|&b| b > self.limit);
         if too_large(&self.bytes_with(dicer, blocks))
             || self.data.blocks.len() + blocks.len() > MOST_BLOCKS
         {
-            self.close();
+            self.close(limits)?;
             let bytes = self.bytes_with(dicer, blocks);
             if bytes.iter().any(|&b| b > self.limit) {
                 return Err(GpuError::OutOfMemory {
@@ -470,7 +510,8 @@ impl Builder<'_> {
             uv_gather,
             uv_count,
             uv_table,
-            padding: [0; 2],
+            colors: dicer.colors,
+            padding: 0,
         }
     }
 

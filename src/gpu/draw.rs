@@ -69,6 +69,7 @@ struct DeviceChunk {
     points: wgpu::Buffer,
     large: wgpu::Buffer,
     uvs: wgpu::Buffer,
+    colors: wgpu::Buffer,
     sides: wgpu::BindGroup,
     inside: wgpu::BindGroup,
     /// Which blocks there are.
@@ -148,7 +149,10 @@ impl<'a> GpuScene<'a> {
         let cages = || scene.objects.iter().map(|o| o.surface.cage());
         let all_points: usize = cages().map(|c| c.points().len()).sum();
         let uvs = cages().flat_map(|c| c.uvs().iter().flatten());
-        let uvs: Vec<u32> = uvs.map(|c| c.to_bits()).collect();
+        let mut values: Vec<u32> = uvs.map(|c| c.to_bits()).collect();
+        let mut first_color = (3 * all_points + values.len()) as u32;
+        let colors = cages().flat_map(|c| c.colors().iter().flatten());
+        values.extend(colors.map(|c| c.to_bits()));
         let (mut first_point, mut first_face) = (0, 0);
         let mut first_uv = 3 * all_points as u32;
         let mut dicers = Vec::new();
@@ -157,7 +161,7 @@ impl<'a> GpuScene<'a> {
             dicers.push(Dicer::new(
                 object,
                 plan,
-                [first_point, first_face, first_uv],
+                [first_point, first_face, first_uv, first_color],
                 wants_uvs,
                 &renderer.limits,
             )?);
@@ -165,13 +169,14 @@ impl<'a> GpuScene<'a> {
             control_points.extend_from_slice(points);
             first_point += points.len() as u32;
             first_uv += 2 * object.surface.cage().uvs().len() as u32;
+            first_color += 3 * object.surface.cage().colors().len() as u32;
             first_face += object.surface.cage().face_count() as u32;
         }
-        let data = chunks(scene, &dicers, &plans, gpu.max_binding)?;
+        let data = chunks(scene, &dicers, &plans, gpu.max_binding, &renderer.limits)?;
         let id_bits = id_bits(&plans)?;
         let shapes: usize = dicers.iter().map(|d| d.table_size().0).sum();
         drop(dicers);
-        let control = (control_points, uvs);
+        let control = (control_points, values);
         Self::upload(gpu, renderer, scene, view, &data, control, id_bits).map(|mut made| {
             made.stats.faces = scene.face_count() as u64;
             made.stats.microtriangles = plans.iter().map(|p| p.triangles).sum();
@@ -186,12 +191,12 @@ impl<'a> GpuScene<'a> {
         scene: &Scene,
         view: View,
         data: &[ChunkData],
-        (control_points, uvs): (Vec<[f32; 3]>, Vec<u32>),
+        (control_points, values): (Vec<[f32; 3]>, Vec<u32>),
         id_bits: u32,
     ) -> Result<Self, GpuError> {
         let pipelines = gpu.pipelines()?;
         let size = renderer.size;
-        let control = [point_words(&control_points), uvs].concat();
+        let control = [point_words(&control_points), values].concat();
         let control = gpu.filled("control points", &control)?;
         let phases: usize = if gpu.wide { 1 } else { 2 };
         let mut scene_bytes = control.size();
@@ -269,6 +274,7 @@ impl<'a> GpuScene<'a> {
                         (7, &sums),
                         (8, &c.uvs),
                         (9, &textures),
+                        (10, &c.colors),
                     ],
                 )
             });
@@ -578,10 +584,24 @@ fn device_chunk(
         16
     };
     let uvs = gpu.empty("texture coordinates", uv_bytes, Usage::STORAGE)?;
-    let own = [(6, &faces), (7, &blocks), (8, &moves), (10, &uvs)];
+    let has_colors = data.faces.iter().any(|f| f.colors > 0);
+    let color_bytes = if has_colors {
+        12 * u64::from(data.points())
+    } else {
+        16
+    };
+    let colors = gpu.empty("colours", color_bytes, Usage::STORAGE)?;
+    let own = [
+        (6, &faces),
+        (7, &blocks),
+        (8, &moves),
+        (10, &uvs),
+        (11, &colors),
+    ];
     let inside_bindings = [&shared[..], &own].concat();
     let all = [
         &gathers, &weights, &stencils, &spots, &faces, &blocks, &moves, &points, &large, &uvs,
+        &colors,
     ];
     *scene_bytes += all.iter().map(|b| b.size()).sum::<u64>();
     Ok(DeviceChunk {
@@ -596,6 +616,7 @@ fn device_chunk(
         points,
         large,
         uvs,
+        colors,
         blocks,
         faces,
         phases,

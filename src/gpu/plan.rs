@@ -52,9 +52,6 @@ fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
         if surface.displacement().is_some() {
             return refuse("displacement");
         }
-        if !surface.cage().colors().is_empty() {
-            return refuse("colours of vertices");
-        }
     }
     Ok(())
 }

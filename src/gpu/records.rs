@@ -228,8 +228,11 @@ record! {
         uv_count: u32,
         /// First weight of their table, as fine as that of points.
         uv_table: u32,
+        /// Where colours of the object's vertices begin among the control numbers, counted as if they began at the scene's first control
+        /// point; 0 without.
+        colors: u32,
         /// Nothing.
-        padding: [u32; 2],
+        padding: u32,
     }
 }
 

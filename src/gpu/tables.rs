@@ -3,9 +3,10 @@
 //! The processor's own evaluation makes them: control points that are unit vectors, three at a time, give the weights of three control
 //! points as coordinates.
 
+use super::error::GpuError;
 use super::surroundings::Surroundings;
 use crate::evaluate::Tangents;
-use crate::limits::{LimitError, Limits};
+use crate::limits::Limits;
 use crate::surface::Surface;
 use rayon::prelude::*;
 
@@ -36,8 +37,28 @@ impl Table {
     }
 }
 
+/// Most bytes of all tables of a surface.
+const MOST_BYTES: u128 = 4 << 30;
+
+/// Whether tables of `shapes` may be made.
+fn check(
+    surface: &Surface,
+    shapes: &[(Surroundings, u32)],
+    limits: &Limits,
+) -> Result<(), GpuError> {
+    let split = surface.is_split();
+    let bytes = shapes.iter().map(|(s, level)| predicted(s, split, *level));
+    let bytes = bytes.sum();
+    if bytes > MOST_BYTES {
+        return Err(GpuError::OutOfMemory {
+            what: "the tables of weights: lower the level",
+        });
+    }
+    Ok(limits.memory("the tables of the GPU backend", bytes)?)
+}
+
 /// Bytes of a table.
-pub(super) fn predicted(shape: &Surroundings, split: bool, level: u32) -> u128 {
+fn predicted(shape: &Surroundings, split: bool, level: u32) -> u128 {
     let side = (1_u128 << level) + 1;
     let subs = if split { u128::from(shape.size()) } else { 1 };
     12 * side * side * subs * shape.vertices.len() as u128
@@ -48,10 +69,8 @@ pub(super) fn make(
     surface: &Surface,
     shapes: &[(Surroundings, u32)],
     limits: &Limits,
-) -> Result<Vec<Table>, LimitError> {
-    let split = surface.is_split();
-    let bytes = shapes.iter().map(|(s, level)| predicted(s, split, *level));
-    limits.memory("the tables of the GPU backend", bytes.sum())?;
+) -> Result<Vec<Table>, GpuError> {
+    check(surface, shapes, limits)?;
     shapes
         .par_iter()
         .map(|(shape, level)| {
@@ -182,10 +201,8 @@ pub(super) fn make_uvs(
     surface: &Surface,
     shapes: &[(Surroundings, u32)],
     limits: &Limits,
-) -> Result<Vec<UvTable>, LimitError> {
-    let split = surface.is_split();
-    let bytes = shapes.iter().map(|(s, level)| predicted(s, split, *level));
-    limits.memory("the tables of the GPU backend", bytes.sum())?;
+) -> Result<Vec<UvTable>, GpuError> {
+    check(surface, shapes, limits)?;
     shapes
         .par_iter()
         .map(|(shape, level)| {

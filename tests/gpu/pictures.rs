@@ -1,6 +1,6 @@
 //! Pictures against the processor's goldens, and what a picture costs.
 
-use crate::{asset, common, gpu, gpu_with, plain, torus, uniform};
+use crate::{asset, gpu, gpu_with, plain, torus, uniform};
 use earmark::film::Image;
 use earmark::frame::{Drawing, Refinement};
 use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene};
@@ -241,6 +241,59 @@ fn tessellated_pictures_are_the_processors() {
     println!("gpu tessellated pictures: {run} cases");
 }
 
+/// Triangles have one tone each: a sample that shows another triangle shows it.
+#[test]
+fn samples_show_the_processors_triangles() {
+    let Some(gpu) = gpu("triangles") else { return };
+    let (mut run, mut samples, mut others) = (0, 0, 0);
+    for (name, level) in [("creature", 3), ("part", 3), ("torus", 4), ("fan24", 2)] {
+        let scene = plain(asset(name, SurfaceOptions::default()));
+        let mut renderer = uniform(256, 256, level);
+        renderer.size.samples = 1;
+        renderer.mode = ShadeMode::Flat;
+        let camera = Camera::default();
+        let want = renderer.render(&scene, &camera).unwrap().image;
+        let got = draw(&gpu, &renderer, &scene, &camera);
+        let pixels = got.data.chunks_exact(4).zip(want.data.chunks_exact(4));
+        let seen = pixels.filter(|(a, b)| a[3] != 0 || b[3] != 0);
+        let found: Vec<bool> = seen
+            .map(|(a, b)| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1))
+            .collect();
+        let differ = found.iter().filter(|&&d| d).count();
+        assert!(
+            differ * 1000 <= found.len(),
+            "{name}: {differ} of {}",
+            found.len()
+        );
+        samples += found.len();
+        others += differ;
+        run += 1;
+    }
+    println!("gpu triangles: {run} cases, {others} of {samples} samples show another triangle");
+}
+
+#[test]
+fn colours_of_vertices_are_drawn() {
+    let Some(gpu) = gpu("colours") else { return };
+    let text = "v -1 -1 -1 1 0 0\nv 1 -1 -1 0 1 0\nv 1 1 -1 0 0 1\nv -1 1 -1 1 1 0\nv -1 -1 1 0 1 1\nv 1 -1 1 1 0 1\nv 1 1 1 1 1 1\nv -1 1 1 0.2 0.2 0.2\n\
+                f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
+    let mut loader = earmark::load::Loader::new(earmark::load::LoadOptions::default());
+    let nothing = &mut earmark::mesh::resolver::NoFiles;
+    let cage = loader
+        .read(text.as_bytes(), "cube.obj", nothing)
+        .unwrap()
+        .cage;
+    loader.add_cage(cage, "cube.obj", nothing).unwrap();
+    let scene = loader.finish().0;
+    let renderer = uniform(128, 128, 3);
+    let want = renderer.render(&scene, &Camera::default()).unwrap().image;
+    let got = draw(&gpu, &renderer, &scene, &Camera::default());
+    check("colours", &got, &want);
+    // There are colours to be seen.
+    assert!(want.data.chunks_exact(4).any(|p| p[0].abs_diff(p[1]) > 20));
+    println!("gpu colours: 1 case");
+}
+
 #[test]
 fn close_views_are_clipped_like_the_processors() {
     let Some(gpu) = gpu("clipped pictures") else {
@@ -394,6 +447,19 @@ fn what_is_not_drawn_is_refused() {
     renderer.size.samples = 1;
     renderer.limits.max_memory = Some(1000);
     assert!(matches!(ask(&renderer, &scene), Err(GpuError::Limit(_))));
+    // A vertex of more faces than tables are made for.
+    renderer.limits.max_memory = None;
+    let n = 600_u32;
+    let spoke = |k: u32| (k as f32 / (2 * n) as f32 * std::f32::consts::TAU).sin_cos();
+    let ring = (0..2 * n).map(|k| [spoke(k).0, spoke(k).1, 0.0]);
+    let points: Vec<[f32; 3]> = std::iter::once([0.0; 3]).chain(ring).collect();
+    let faces = (0..n).flat_map(|k| [0, 1 + 2 * k, 2 + 2 * k, 1 + (2 * k + 2) % (2 * n)]);
+    let fan = earmark::Cage::new(points, &vec![4; n as usize], faces.collect()).unwrap();
+    let fan = Scene::of(earmark::Surface::new(fan, &SurfaceOptions::default()));
+    assert!(matches!(
+        ask(&renderer, &fan),
+        Err(GpuError::Unsupported { .. })
+    ));
     let missing = DeviceOptions {
         allow_software: true,
         name: Some("no such adapter".to_owned()),
@@ -412,6 +478,5 @@ fn what_is_not_drawn_is_refused() {
     };
     let refused = GpuScene::new(&tiny, &uniform(64, 64, 4), &scene, &Camera::default());
     assert!(matches!(refused, Err(GpuError::OutOfMemory { .. })));
-    println!("gpu refusals: 6 cases");
-    let _ = common::assets();
+    println!("gpu refusals: 7 cases");
 }

@@ -17,6 +17,9 @@
 // Texture coordinates, at the same places as points.
 @group(0) @binding(10) var<storage, read_write> uvs: array<vec2<f32>>;
 
+// Colours, at the same places.
+@group(0) @binding(11) var<storage, read_write> colors: array<f32>;
+
 struct Jet {
     p: vec3<f32>,
     du: vec3<f32>,
@@ -153,6 +156,17 @@ fn texture_coordinates(face: Face, place: u32) -> vec2<f32> {
     return uv;
 }
 
+// Colours of vertices go by the weights of points.
+fn color(face: Face, place: u32) -> vec3<f32> {
+    let s = stencils[face.stencil];
+    var c = vec3<f32>(0.0);
+    for (var k = 0u; k < s.count; k++) {
+        let at = face.colors + 3u * gathers[s.gather + k];
+        c += weights[3u * (s.table + k * s.stride + place)] * vec3<f32>(control[at], control[at + 1u], control[at + 2u]);
+    }
+    return c;
+}
+
 @compute @workgroup_size(64)
 fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let number = group.y * chunk.groups + group.x;
@@ -179,6 +193,13 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
         let place = ((y << face.shift) * face.row) + (x << face.shift);
         if face.uv_count > 0u {
             uvs[block.base + at] = texture_coordinates(face, place);
+        }
+        if face.colors > 0u {
+            let c = color(face, place);
+            let k = 3u * (block.base + at);
+            colors[k] = c.x;
+            colors[k + 1u] = c.y;
+            colors[k + 2u] = c.z;
         }
         let spot = shared_spot(face, x, y);
         if spot != NOWHERE {

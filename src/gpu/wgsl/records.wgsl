@@ -73,7 +73,8 @@ struct Face {
     uv_gather: u32,
     uv_count: u32,
     uv_table: u32,
-    padding: vec2<u32>,
+    colors: u32,
+    padding: u32,
 }
 
 struct Block {

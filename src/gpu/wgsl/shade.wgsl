@@ -15,6 +15,8 @@
 // Textures one after the other, as src/texture.rs lays them out.
 @group(0) @binding(9) var<storage, read> textures: array<u32>;
 
+@group(0) @binding(10) var<storage, read> colors: array<f32>;
+
 const LIT = 0u;
 const FLAT = 1u;
 const NORMALS = 2u;
@@ -44,6 +46,10 @@ fn position(at: u32) -> vec3<f32> {
 
 fn normal_at(at: u32) -> vec3<f32> {
     return vec3<f32>(points[6u * at + 3u], points[6u * at + 4u], points[6u * at + 5u]);
+}
+
+fn color_at(at: u32) -> vec3<f32> {
+    return vec3<f32>(colors[3u * at], colors[3u * at + 1u], colors[3u * at + 2u]);
 }
 
 fn has_direction(v: vec3<f32>) -> bool {
@@ -225,6 +231,10 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
         }
     } else if frame.mode == UV {
         return vec3<f32>(0.0);
+    }
+    if face.colors > 0u {
+        let c = (at.w.x * color_at(first) + at.w.y * color_at(at_m)) + at.w.z * color_at(at_c);
+        albedo *= max(c, vec3<f32>(0.0));
     }
     if frame.mode == LIT && at.side != 2.0 && !textured {
         let to_eye = ray(p);
