@@ -344,7 +344,7 @@ pub(super) fn cube_cage() -> Result<Cage, Failure> {
     Cage::new(points, &[4; 6], corners).map_err(|e| Failure::usage(e.to_string()))
 }
 
-/// A row that is a limit surface at one level.
+/// A row that is a limit surface, or its quadratic patches, at one level.
 #[cfg(feature = "gpu")]
 pub(super) struct UniformRow {
     pub(super) name: &'static str,
@@ -354,14 +354,20 @@ pub(super) struct UniformRow {
     pub(super) published_ms: f64,
 }
 
-/// The rows that are limit surfaces at one level.
+/// The rows that are limit surfaces, or their quadratic patches, at one level.
 #[cfg(feature = "gpu")]
 pub(super) fn uniform_rows() -> Vec<UniformRow> {
     let rows = FRAMES.iter().filter_map(|row| match (row.kind, row.depth) {
-        (Limit, Uniform(level)) => Some(UniformRow {
+        (kind @ (Limit | Qas), Uniform(level)) => Some(UniformRow {
             name: row.name,
             cage: row.model.cage(),
-            options: SurfaceOptions::default(),
+            options: SurfaceOptions {
+                patches: match kind {
+                    Qas => PatchKind::Qas,
+                    _ => PatchKind::None,
+                },
+                ..SurfaceOptions::default()
+            },
             level,
             published_ms: 1e3 / row.fps,
         }),

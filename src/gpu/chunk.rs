@@ -8,6 +8,7 @@ use super::surroundings::{Finder, Surroundings};
 use super::tables::{self, Table, UvTable};
 use crate::frame::{Object, Scene};
 use crate::limits::Limits;
+use crate::patch::PatchKind;
 use crate::scheme::Scheme;
 use crate::surface::Surface;
 use crate::topology::NONE;
@@ -30,6 +31,10 @@ pub(super) struct Dicer<'a> {
     first_uv: u32,
     /// See [`Face::colors`].
     colors: u32,
+    /// Whether faces are quadratic patches: nothing of the surface itself is known beyond level 1 then.
+    patches: bool,
+    /// Per face of the cage that is drawn, its deepest level.
+    drawn_levels: HashMap<u32, u32>,
     /// Per edge of the whole quads, the level of the points on it; [`NONE`] where nothing is drawn.
     edge_levels: Vec<u32>,
 }
@@ -60,6 +65,8 @@ impl<'a> Dicer<'a> {
             uv_shapes: HashMap::new(),
             uv_tables: Vec::new(),
             first_uv,
+            patches: surface.patch_kind() == PatchKind::Qas,
+            drawn_levels: HashMap::new(),
             // Control points come first, so a place after them is above this product.
             colors: match surface.cage().colors().is_empty() {
                 true => 0,
@@ -96,6 +103,10 @@ impl<'a> Dicer<'a> {
             if reach == NONE {
                 continue;
             }
+            let face = self.surface.cage_face(quad as u32);
+            let deepest = self.drawn_levels.entry(face).or_insert(reach);
+            *deepest = reach.max(*deepest);
+            let reach = if self.patches { 1 } else { reach };
             for h in whole.face_halves(quad as u32) {
                 let level = &mut self.edge_levels[whole.edge(h) as usize];
                 *level = if *level == NONE {
@@ -118,7 +129,7 @@ impl<'a> Dicer<'a> {
             if reach == NONE {
                 continue;
             }
-            ask(quad as u32, reach);
+            ask(quad as u32, if self.patches { 1 } else { reach });
             for h in whole.face_halves(quad as u32) {
                 let level = self.edge_levels[whole.edge(h) as usize];
                 for owners in [self.side_owners(h), self.corner_owners(h)] {
@@ -160,11 +171,16 @@ impl<'a> Dicer<'a> {
     fn make_uv_tables(&mut self, limits: &Limits) -> Result<(), GpuError> {
         let mut numbers: HashMap<(Vec<u32>, u32), u32> = HashMap::new();
         let mut shapes: Vec<(Surroundings, u32)> = Vec::new();
-        let mut faces: Vec<u32> = self.faces.keys().copied().collect();
+        let mut faces: Vec<u32> = self.drawn_levels.keys().copied().collect();
         faces.sort_unstable();
         for face in faces {
-            let (shape, number) = &self.faces[&face];
-            let level = self.tables[*number as usize].level;
+            let Some((shape, number)) = self.faces.get(&face) else {
+                continue;
+            };
+            let level = match self.patches {
+                true => self.drawn_levels[&face],
+                false => self.tables[*number as usize].level,
+            };
             let next = shapes.len() as u32;
             let number = *numbers.entry((shape.uv_key(), level)).or_insert(next);
             if number == next {
@@ -265,6 +281,7 @@ pub(super) struct ChunkData {
     pub(super) quads: u32,
     pub(super) first_rank: u32,
     pub(super) triangles: bool,
+    pub(super) patches: bool,
 }
 
 impl ChunkData {
@@ -293,7 +310,7 @@ impl ChunkData {
             groups,
             triangles: u32::from(self.triangles),
             large: self.quads,
-            padding: 0,
+            patches: u32::from(self.patches),
         }
     }
 
@@ -442,6 +459,7 @@ impl Builder {
             }
         }
         self.data.triangles = dicer.surface.is_triangular();
+        self.data.patches = dicer.patches;
         let quad = blocks[0].quad;
         let face = self.face(dicer, quad, plan.reach[quad as usize]);
         let number = self.data.faces.len() as u32;
@@ -490,11 +508,19 @@ impl Builder {
             let owners = dicer.side_owners(h);
             let level = dicer.edge_levels[whole.edge(h) as usize];
             sides[c] = self.side(dicer, owners, level);
-            let same = owners.normal == h || whole.vertex(owners.normal) == whole.vertex(h);
-            turns |= ((level - reach) | if same { 0 } else { 128 }) << (8 * c);
+            let turned = |owner: u32| owner != h && whole.vertex(owner) != whole.vertex(h);
+            let finer = if dicer.patches { 0 } else { level - reach };
+            let ways =
+                u32::from(turned(owners.normal)) << 7 | u32::from(turned(owners.position)) << 6;
+            turns |= (finer | ways) << (8 * c);
         }
         let cage_face = dicer.surface.cage_face(quad);
-        let level = dicer.table(quad).map_or(reach, |(_, _, t)| t.level);
+        let level = match dicer.patches {
+            true => dicer.drawn_levels.get(&cage_face).copied(),
+            false => dicer.table(quad).map(|(_, _, t)| t.level),
+        };
+        let level = level.unwrap_or(reach);
+        let middle = self.middle(dicer, quad);
         let (uv_gather, uv_count, uv_table) = self.uv_stencil(dicer, quad);
         Face {
             corners,
@@ -511,8 +537,23 @@ impl Builder {
             uv_count,
             uv_table,
             colors: dicer.colors,
-            padding: 0,
+            middle,
         }
+    }
+
+    /// The spot in the middle of a quad, where patches need it.
+    fn middle(&mut self, dicer: &Dicer<'_>, quad: u32) -> u32 {
+        if !dicer.patches || dicer.surface.is_triangular() {
+            return 0;
+        }
+        let [stencil, index] = self.place(dicer, quad, [1, 1], 1);
+        self.data.spots.push(Spot {
+            stencil,
+            index,
+            normal_stencil: stencil,
+            normal_index: index,
+        });
+        self.data.spots.len() as u32 - 1
     }
 
     /// First gather, count and first weight of a quad's texture coordinates; zeros without.

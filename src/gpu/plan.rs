@@ -46,8 +46,11 @@ fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
     }
     for object in &scene.objects {
         let surface = &object.surface;
-        if surface.patch_kind() != PatchKind::None {
-            return refuse("patches (--surface qas or pn)");
+        let colored = !surface.cage().colors().is_empty();
+        match surface.patch_kind() {
+            PatchKind::Pn => return refuse("curved PN triangles"),
+            PatchKind::Qas if colored => return refuse("patches with colours of vertices"),
+            _ => {}
         }
         if surface.displacement().is_some() {
             return refuse("displacement");

@@ -168,8 +168,8 @@ record! {
         triangles: u32,
         /// Entries that the list of large quads holds.
         large: u32,
-        /// Nothing.
-        padding: u32,
+        /// 1 where faces are quadratic patches through points of level 1.
+        patches: u32,
     }
 }
 
@@ -208,7 +208,8 @@ record! {
         corners: [u32; 4],
         /// First spots of the sides.
         sides: [u32; 4],
-        /// Per side eight bits: by how many levels its spots are finer than the face, and in bit 7 whether they run the other way.
+        /// Per side eight bits: by how many levels its spots are finer than the face, in bit 7 whether they run the other way, and in bit 6 whether
+        /// the side of the face that owns their positions does.
         turns: u32,
         /// Its stencil.
         stencil: u32,
@@ -231,8 +232,8 @@ record! {
         /// Where colours of the object's vertices begin among the control numbers, counted as if they began at the scene's first control
         /// point; 0 without.
         colors: u32,
-        /// Nothing.
-        padding: u32,
+        /// Spot of the middle, of quadratic patches.
+        middle: u32,
     }
 }
 

@@ -2,6 +2,7 @@
 //! same numbers.
 
 use crate::mesh::{Cage, Corner, Crease, Tags};
+use crate::patch::PatchKind;
 use crate::surface::Surface;
 use crate::topology::NONE;
 use std::collections::HashMap;
@@ -256,6 +257,7 @@ impl Surroundings {
         };
         let mut options = *whole.options();
         options.scheme = Some(whole.scheme());
+        options.patches = PatchKind::None;
         Surface::new(cage, &options)
     }
 }

@@ -4,6 +4,7 @@ use crate::{asset, gpu, gpu_with, plain, torus, uniform};
 use earmark::film::Image;
 use earmark::frame::{Drawing, Refinement};
 use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene};
+use earmark::patch::PatchKind;
 use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::tessellate::DepthTags;
@@ -184,10 +185,33 @@ fn pictures_are_the_goldens() {
         4,
         camera,
     );
+    add(
+        "creature_qas_l4",
+        "creature",
+        CatmullClark,
+        4,
+        Lit,
+        4,
+        camera,
+    );
+    add(
+        "creature_catmull-clark_l2_uv",
+        "creature",
+        CatmullClark,
+        2,
+        ShadeMode::Uv,
+        1,
+        camera,
+    );
     let (mut worst, mut run) = ((0.0_f64, 0), 0);
     for (name, file, scheme, level, mode, samples, camera) in cases {
+        let patches = match name.contains("_qas_") {
+            true => PatchKind::Qas,
+            false => PatchKind::None,
+        };
         let options = SurfaceOptions {
             scheme: Some(scheme),
+            patches,
             ..SurfaceOptions::default()
         };
         let scene = asset(file, options);

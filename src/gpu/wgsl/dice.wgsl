@@ -97,53 +97,97 @@ fn sides(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     put(at, jet.p, n);
 }
 
-const NOWHERE = 0xffffffffu;
-
 // The spot that a place of a face is, on its side `c` at `k` of `n`.
 fn on_side(face: Face, c: u32, k: u32, n: u32) -> u32 {
     if k == 0u {
         return face.corners[c];
     }
     let turn = (face.turns >> (8u * c)) & 255u;
-    let finer = turn & 127u;
+    let finer = turn & 63u;
     let along = select(k, n - k, (turn & 128u) != 0u) << finer;
     return face.sides[c] + along - 1u;
 }
 
-fn shared_spot(face: Face, x: u32, y: u32) -> u32 {
-    let n = 1u << face.reach;
+const INSIDE = 4u;
+
+// Side of a place, and how far along; corners begin their side.
+fn side_of(x: u32, y: u32, n: u32) -> vec2<u32> {
     if chunk.triangles != 0u {
         if x == y {
             // From corner 2 back to corner 0.
-            if x == 0u {
-                return face.corners[0];
-            }
-            return on_side(face, 2u, n - x, n);
+            return select(vec2<u32>(2u, n - x), vec2<u32>(0u, 0u), x == 0u);
         }
         if y == 0u {
-            if x == n {
-                return face.corners[1];
-            }
-            return on_side(face, 0u, x, n);
+            return select(vec2<u32>(0u, x), vec2<u32>(1u, 0u), x == n);
         }
-        if x == n {
-            return on_side(face, 1u, y, n);
-        }
-        return NOWHERE;
+        return select(vec2<u32>(INSIDE, 0u), vec2<u32>(1u, y), x == n);
     }
     if y == 0u && x < n {
-        return on_side(face, 0u, x, n);
+        return vec2<u32>(0u, x);
     }
     if x == n && y < n {
-        return on_side(face, 1u, y, n);
+        return vec2<u32>(1u, y);
     }
     if y == n && x > 0u {
-        return on_side(face, 2u, n - x, n);
+        return vec2<u32>(2u, n - x);
     }
-    if x == 0u {
-        return on_side(face, 3u, n - y, n);
+    return select(vec2<u32>(INSIDE, 0u), vec2<u32>(3u, n - y), x == 0u);
+}
+
+struct Sample {
+    p: vec3<f32>,
+    n: vec3<f32>,
+}
+
+fn sample_at(at: u32) -> Sample {
+    let k = 6u * at;
+    return Sample(
+        vec3<f32>(points[k], points[k + 1u], points[k + 2u]),
+        vec3<f32>(points[k + 3u], points[k + 4u], points[k + 5u]));
+}
+
+// Quadratic through values at 0, 1/2 and 1.
+fn shares(t: f32) -> vec3<f32> {
+    return vec3<f32>((1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0));
+}
+
+fn quadratic(a: Sample, m: Sample, b: Sample, w: vec3<f32>) -> Sample {
+    return Sample((w.x * a.p + w.z * b.p) + w.y * m.p, (w.x * a.n + w.z * b.n) + w.y * m.n);
+}
+
+// QAS: quadratics through points and normals of level 1. A side is walked as its positions' owner walks it, by both faces.
+fn patch_at(face: Face, x: u32, y: u32, n: u32) -> Sample {
+    let side = side_of(x, y, n);
+    let last = select(4u, 3u, chunk.triangles != 0u);
+    if side.x != INSIDE {
+        let c = side.x;
+        let next = select(c + 1u, 0u, c + 1u == last);
+        let turned = ((face.turns >> (8u * c)) & 64u) != 0u;
+        let a = sample_at(face.corners[select(c, next, turned)]);
+        let b = sample_at(face.corners[select(next, c, turned)]);
+        let k = select(side.y, n - side.y, turned);
+        return quadratic(a, sample_at(face.sides[c]), b, shares(f32(k) / f32(n)));
     }
-    return NOWHERE;
+    let u = f32(x) / f32(n);
+    let v = f32(y) / f32(n);
+    if chunk.triangles != 0u {
+        let w = vec3<f32>(1.0 - u, u - v, v);
+        let corner = w * (2.0 * w - 1.0);
+        let middle = 4.0 * w * w.yzx;
+        var sum = Sample(vec3<f32>(0.0), vec3<f32>(0.0));
+        for (var c = 0u; c < 3u; c++) {
+            let at = sample_at(face.corners[c]);
+            let half = sample_at(face.sides[c]);
+            sum.p += corner[c] * at.p + middle[c] * half.p;
+            sum.n += corner[c] * at.n + middle[c] * half.n;
+        }
+        return sum;
+    }
+    let w = shares(u);
+    let low = quadratic(sample_at(face.corners[0]), sample_at(face.sides[0]), sample_at(face.corners[1]), w);
+    let middle = quadratic(sample_at(face.sides[3]), sample_at(face.middle), sample_at(face.sides[1]), w);
+    let high = quadratic(sample_at(face.corners[3]), sample_at(face.sides[2]), sample_at(face.corners[2]), w);
+    return quadratic(low, middle, high, shares(v));
 }
 
 // Each face's own: no others need agree.
@@ -201,9 +245,13 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             colors[k + 1u] = c.y;
             colors[k + 2u] = c.z;
         }
-        let spot = shared_spot(face, x, y);
-        if spot != NOWHERE {
-            copy(spot, block.base + at);
+        let n = 1u << face.reach;
+        let side_place = side_of(x, y, n);
+        if side_place.x != INSIDE && (side_place.y == 0u || chunk.patches == 0u) {
+            copy(on_side(face, side_place.x, side_place.y, n), block.base + at);
+        } else if chunk.patches != 0u {
+            let s = patch_at(face, x, y, n);
+            put(block.base + at, s.p, normalize_or_zero(s.n));
         } else {
             let jet = evaluate(face.stencil, place);
             put(block.base + at, jet.p, normal(jet));

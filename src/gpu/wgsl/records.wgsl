@@ -43,7 +43,7 @@ struct Chunk {
     groups: u32,
     triangles: u32,
     large: u32,
-    padding: u32,
+    patches: u32,
 }
 
 struct Stencil {
@@ -74,7 +74,7 @@ struct Face {
     uv_count: u32,
     uv_table: u32,
     colors: u32,
-    padding: u32,
+    middle: u32,
 }
 
 struct Block {
