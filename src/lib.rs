@@ -30,6 +30,7 @@
 //! |---|---|---|
 //! | `cli` | the `earmark` program: argument parser and JSON | yes |
 //! | `window` | the preview window, module `window`, and `earmark view` | no |
+//! | `gpu` | the same stages on a GPU ([`gpu`]), through wgpu | no |
 //!
 //! A library user writes `default-features = false`.
 //!
@@ -54,6 +55,7 @@ pub mod files;
 pub mod film;
 pub mod frame;
 pub mod golden;
+pub mod gpu;
 pub mod guide;
 pub mod limits;
 pub mod load;

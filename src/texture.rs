@@ -349,6 +349,30 @@ impl Texture {
         [self.levels[level].width, self.levels[level].height]
     }
 
+    /// The texture as words, for look-up elsewhere: a header of eight (levels, where their sizes are, where texels are, where the values of
+    /// codes are, whether texels take two words, bits of the bias of levels of detail), then width, height and first texel of every level, the
+    /// values, and the texels. Places count from `base`.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn words(&self, base: u32) -> Vec<u32> {
+        let sizes = base + 8;
+        let values = sizes + 3 * self.levels.len() as u32;
+        let texels = values + 256;
+        let wide = matches!(self.texels, Texels::Word(_));
+        let levels = self.levels.len() as u32;
+        let bias = self.lod_bias.to_bits();
+        let mut out = vec![levels, sizes, texels, values, u32::from(wide), bias, 0, 0];
+        out.extend((self.levels.iter()).flat_map(|l| [l.width, l.height, l.start as u32]));
+        out.extend(self.values.iter().map(|v| v.to_bits()));
+        match &self.texels {
+            Texels::Byte(t) => out.extend(t.iter().map(|t| u32::from_le_bytes(*t))),
+            Texels::Word(t) => {
+                let pair = |a: u16, b: u16| u32::from(a) | u32::from(b) << 16;
+                out.extend(t.iter().flat_map(|t| [pair(t[0], t[1]), pair(t[2], t[3])]));
+            }
+        }
+        out
+    }
+
     #[inline]
     fn fetch(&self, i: usize) -> [f32; 4] {
         match &self.texels {

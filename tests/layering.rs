@@ -126,6 +126,26 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &["camera", "math", "records", "frame", "film", "sheet"],
     ),
     (
+        "gpu",
+        &[
+            "tessellate",
+            "patch",
+            "evaluate",
+            "records",
+            "limits",
+            "scheme",
+            "mesh",
+            "camera",
+            "topology",
+            "dice",
+            "surface",
+            "raster",
+            "shade",
+            "film",
+            "frame",
+        ],
+    ),
+    (
         "load",
         &[
             "files", "frame", "mesh", "patch", "shade", "surface", "texture", "topology", "limits",
@@ -144,6 +164,9 @@ const PACKAGES: &[(&str, &[&str])] = &[
     ),
     ("minifb", &["window/screen.rs"]),
     ("image", &["texture.rs", "film/"]),
+    ("wgpu", &["gpu/"]),
+    ("bytemuck", &["gpu/"]),
+    ("pollster", &["gpu/"]),
 ];
 
 fn sources(folder: &Path, out: &mut Vec<(String, String)>, root: &Path) {

@@ -3,7 +3,7 @@
 
 use super::bench_patches::{self, Found};
 use super::exit::Failure;
-use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags};
+use super::flags::{Backend, LevelFlags, ModelFlags, PictureFlags, RunningFlags};
 use super::job::{Job, commit_all, print_text};
 use super::render::{check_picture, input_paths, stats_output};
 use super::stats::{Clock, Json, Stages, Time, frame_stages};
@@ -42,6 +42,8 @@ pub(crate) enum Suite {
     /// Tables of the papers again, on cages of as many faces that are made here: frames of 1024 by 1024 with one sample, and what was
     /// published for a GPU
     Paper,
+    /// With feature gpu: MODEL (or the torus) at levels 5 and 6, the papers' uniform rows and the cube's whole-mesh levels on a GPU
+    Gpu,
 }
 
 #[derive(Args, Debug)]
@@ -147,6 +149,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let mut child_peak = None;
     let outcome = match a.suite {
         Suite::Refine => refine(job, a, &mut scene)?,
+        Suite::Frame if a.picture.backend == Backend::Gpu => super::gpu::frame(job, a, &scene)?,
         Suite::Frame => frame(job, a, &mut scene, a.level.drawing(), true)?,
         Suite::Patches => bench_patches::patches(job, a, &scene, &mut distances)?,
         Suite::Evaluate => super::bench_evaluate::evaluate(job, a, &mut scene)?,
@@ -155,6 +158,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         Suite::Cold => bench_cold::cold(job, a, &torus()?, child_peak.insert(0))?,
         Suite::Scale => bench_scale::scale(job, a, &scene, &mut curves)?,
         Suite::Raster => frame(job, a, &mut scene, Drawing::Cage, false)?,
+        Suite::Gpu => super::gpu::suite(job, a, &scene)?,
     };
     let built_in = match a.suite {
         Suite::Paper => "paper",

@@ -108,7 +108,7 @@ const FRAMES: [Frame; 14] = [
 ];
 
 /// Seconds of the whole-mesh refinement of a cube, as published: on a CPU, on a GPU.
-const CUBES: [(&str, u32, [f64; 2]); 2] = [
+pub(super) const CUBES: [(&str, u32, [f64; 2]); 2] = [
     ("sachdev-5", 5, [6.39, 5.58]),
     ("sachdev-6", 6, [99.21, 86.01]),
 ];
@@ -339,15 +339,52 @@ impl Ready {
     }
 }
 
-/// Refines a cube whole.
-fn cube(iterations: u32) -> Result<(Time, u64), Failure> {
+/// The cube of two units.
+pub(super) fn cube_cage() -> Result<Cage, Failure> {
     let points: Vec<[f32; 3]> = (0..8_u8)
         .map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * f32::from(b) - 1.0))
         .collect();
     let corners = vec![
         0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5,
     ];
-    let cage = Cage::new(points, &[4; 6], corners).map_err(|e| Failure::usage(e.to_string()))?;
+    Cage::new(points, &[4; 6], corners).map_err(|e| Failure::usage(e.to_string()))
+}
+
+/// A row that is a limit surface, or its quadratic patches, at one level.
+#[cfg(feature = "gpu")]
+pub(super) struct UniformRow {
+    pub(super) name: &'static str,
+    pub(super) cage: Result<Cage, Failure>,
+    pub(super) options: SurfaceOptions,
+    pub(super) level: u32,
+    pub(super) published_ms: f64,
+}
+
+/// The rows that are limit surfaces, or their quadratic patches, at one level.
+#[cfg(feature = "gpu")]
+pub(super) fn uniform_rows() -> Vec<UniformRow> {
+    let rows = FRAMES.iter().filter_map(|row| match (row.kind, row.depth) {
+        (kind @ (Limit | Qas), Uniform(level)) => Some(UniformRow {
+            name: row.name,
+            cage: row.model.cage(),
+            options: SurfaceOptions {
+                patches: match kind {
+                    Qas => PatchKind::Qas,
+                    _ => PatchKind::None,
+                },
+                ..SurfaceOptions::default()
+            },
+            level,
+            published_ms: 1e3 / row.fps,
+        }),
+        _ => None,
+    });
+    rows.collect()
+}
+
+/// Refines a cube whole.
+fn cube(iterations: u32) -> Result<(Time, u64), Failure> {
+    let cage = cube_cage()?;
     let clock = Clock::now();
     let corners = cage.corner_vertices().to_vec();
     let topology = connect(

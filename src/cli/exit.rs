@@ -47,8 +47,9 @@ impl Code {
 
 /// What `--help` says about exit codes.
 pub(crate) const HELP: &str = "\
-Exit codes: 0 done; 1 compare found a difference, or jobs of a batch failed; 2 usage; 3 bad input data; 4 input or output; 5 a limit was reached (time, memory, faces); 6 display or SIMD level not \
-available; 70 internal error, a defect; 128+N ended by signal N. On any code but 0 and 1 no output file appears and existing ones stay; numbered frames that are done stay.";
+Exit codes: 0 done; 1 compare found a difference, or jobs of a batch failed; 2 usage; 3 bad input data; 4 input or output; 5 a limit was \
+reached (time, memory, faces); 6 SIMD level, GPU or display not available; 70 internal error, a defect; 128+N ended by signal N. On any code \
+but 0 and 1 no output file appears and existing ones stay; numbered frames that are done stay.";
 
 /// Why the program ends without having done its work.
 #[derive(Debug)]

@@ -454,6 +454,21 @@ pub(crate) struct PictureFlags {
     /// y along v, so green points up
     #[arg(long, value_name = "IMAGE")]
     pub(crate) normal_map: Option<PathBuf>,
+    /// What draws
+    #[arg(long, value_enum, default_value = "cpu")]
+    pub(crate) backend: Backend,
+    /// Let --backend gpu take adapters that compute on the processor, such as Mesa's lavapipe
+    #[arg(long)]
+    pub(crate) allow_software_gpu: bool,
+}
+
+/// What draws pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Backend {
+    /// Processor cores
+    Cpu,
+    /// A GPU through Vulkan, Metal or Direct3D 12; earmark must be built with feature gpu
+    Gpu,
 }
 
 impl PictureFlags {

@@ -18,8 +18,11 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Model (OBJ); - is standard input
-    #[arg(value_name = "MODEL")]
-    pub(crate) model_path: PathBuf,
+    #[arg(value_name = "MODEL", required_unless_present = "gpu")]
+    pub(crate) model_path: Option<PathBuf>,
+    /// List the GPU adapters of this machine, in place of a model
+    #[arg(long, conflicts_with = "model_path")]
+    pub(crate) gpu: bool,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
@@ -52,7 +55,9 @@ struct Findings {
 }
 
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
-    let path = a.model_path.as_path();
+    let Some(path) = a.model_path.as_deref() else {
+        return super::gpu::list(a.json);
+    };
     let stats = match &a.running.stats {
         Some(stats) => Some(stats_output(stats, Path::new(""), &[path])?),
         None => None,

@@ -15,6 +15,7 @@ mod displace;
 mod examples;
 mod exit;
 mod flags;
+mod gpu;
 mod info;
 mod job;
 mod messages;

@@ -3,7 +3,8 @@
 use super::aov::{self, AovFlag};
 use super::displace::DisplaceFlags;
 use super::exit::Failure;
-use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
+use super::flags::{Backend, LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
+use super::gpu;
 use super::job::{Job, Output, commit_all, model_names};
 use super::messages::{note, warning};
 use super::stats::{Clock, Json, Time, frame_stages};
@@ -385,9 +386,13 @@ pub(crate) fn draw(
         }
     }
     if lined.frame.view.up_replaced {
-        warning("--up is parallel to the direction of view; another direction points up");
+        warn_up();
     }
     Ok(lined)
+}
+
+fn warn_up() {
+    warning("--up is parallel to the direction of view; another direction points up");
 }
 
 pub(crate) fn warn_empty() {
@@ -405,13 +410,21 @@ pub(crate) struct Drawn {
     pub(crate) stats: FrameStats,
     /// The view, and the origin of its coordinates; none of a sheet.
     pub(crate) seen: Option<(View, [f64; 3])>,
+    /// What statistics say of it beside what every picture has.
+    pub(crate) more: Vec<(&'static str, Json)>,
 }
 
 /// Draws the models of the arguments together.
 fn single(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
     let scene = scene(job, a, &a.models)?;
-    let renderer = renderer(job, a);
-    let Lined { frame, lines, .. } = draw(job, &renderer, &scene, &camera(a, &scene), &a.picture)?;
+    let (renderer, camera) = (renderer(job, a), camera(a, &scene));
+    let (Lined { frame, lines, .. }, more) = match a.picture.backend {
+        Backend::Cpu => (
+            draw(job, &renderer, &scene, &camera, &a.picture)?,
+            Vec::new(),
+        ),
+        Backend::Gpu => draw_on_gpu(job, &renderer, &scene, &camera, &a.picture)?,
+    };
     if frame.stats.pixels_covered == 0 {
         warn_empty();
     }
@@ -421,7 +434,52 @@ fn single(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
         planes: frame.planes,
         stats: frame.stats,
         seen: Some((frame.view, origin(&scene))),
+        more,
     })
+}
+
+/// A frame from a GPU; lines are found and drawn by the processor.
+fn draw_on_gpu(
+    job: &mut Job,
+    renderer: &Renderer,
+    scene: &Scene,
+    camera: &Camera,
+    picture: &PictureFlags,
+) -> Result<(Lined, gpu::Said), Failure> {
+    watch::phase(Phase::Rendering);
+    let (mut frame, more) = gpu::draw(job, picture, renderer, scene, camera)?;
+    if frame.view.up_replaced {
+        warn_up();
+    }
+    let clock = Clock::now();
+    let lines = match picture.line_work() {
+        Some(options) => {
+            let view = frame.view;
+            let art = overlay::draw(&mut frame.image, renderer, scene, &view, &options)?;
+            job.stages.add("overlay", clock.elapsed());
+            Some(art)
+        }
+        None => None,
+    };
+    let overlay = clock.elapsed();
+    Ok((
+        Lined {
+            frame,
+            lines,
+            overlay,
+        },
+        more,
+    ))
+}
+
+/// Whether the processor draws, which alone can do what `verb` names.
+pub(crate) fn check_backend(picture: &PictureFlags, verb: &str) -> Result<(), Failure> {
+    match picture.backend {
+        Backend::Gpu => Err(Failure::usage(format!(
+            "--backend gpu draws single pictures, not {verb}"
+        ))),
+        Backend::Cpu => Ok(()),
+    }
 }
 
 /// Refuses flags that contradict each other.
@@ -437,6 +495,18 @@ pub(crate) fn check(displace: &DisplaceFlags, level: &LevelFlags) -> Result<(), 
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     check_models(&a.models)?;
     check(&a.displace, &a.level)?;
+    if a.picture.backend == Backend::Gpu {
+        gpu::check()?;
+        for (given, what) in [
+            (!a.views.is_empty(), "sheets of --views"),
+            (!a.aov.is_empty(), "the outputs of --aov"),
+            (a.picture.shade == Shade::Wireframe, "line work alone"),
+        ] {
+            if given {
+                check_backend(&a.picture, what)?;
+            }
+        }
+    }
     let outputs = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.
     let beside: usize = a.aov.iter().map(|f| 2 * f.aov.pixel_bytes()).sum();
@@ -478,6 +548,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         if let Some((view, origin)) = &drawn.seen {
             middle.extend(aov::view_json(view, *origin));
         }
+        middle.extend(drawn.more);
         let report = Json::Object(job.report(model_names(&a.models), middle));
         staged.push(stats.stage(format!("{report}\n").as_bytes())?);
     }

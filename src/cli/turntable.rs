@@ -204,6 +204,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     render::check_models(&a.render.models)?;
     render::check(&a.render.displace, &a.render.level)?;
     a.check()?;
+    render::check_backend(&a.render.picture, "turntables")?;
     let frames = a.frames()?;
     let outputs = a.outputs(&frames)?;
     let r = &a.render;

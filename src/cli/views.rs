@@ -104,6 +104,7 @@ pub(crate) fn draw(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
     Ok(Drawn {
         image,
         lines: None,
+        more: Vec::new(),
         planes: Vec::new(),
         stats,
         seen: None,

@@ -250,6 +250,12 @@ impl Film {
         }
     }
 
+    /// The background as pixels are laid over it: premultiplied, linear for light.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn background(&self) -> [f32; 4] {
+        self.background
+    }
+
     /// The pixel where nothing is drawn.
     #[must_use]
     pub fn empty(&self) -> [u8; 4] {

@@ -472,6 +472,20 @@ impl Renderer {
         Ok(draw(&frame, stats)?)
     }
 
+    /// Levels of the objects, and the blocks of those that are tessellated: what other backends draw by, too.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn decide(
+        &self,
+        scene: &Scene,
+        view: &View,
+    ) -> Result<(Vec<u32>, Vec<Option<Tessellation>>), RenderError> {
+        self.check_size()?;
+        let mut levels = self.levels(scene, view)?;
+        let mut budget = Budget::new(&self.limits);
+        let found = self.tessellations(scene, view, &mut levels, &mut budget)?;
+        Ok((levels, found))
+    }
+
     fn check_size(&self) -> Result<(), RenderError> {
         let ScreenSize {
             width,

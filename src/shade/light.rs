@@ -78,6 +78,19 @@ impl LightRig {
         }
     }
 
+    /// All numbers of the studio, for shading elsewhere: unit vectors to key, fill and rim light, their colours, up, surround from above and
+    /// below, and wrap, gloss, rise and knee.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn numbers(&self) -> ([[f32; 3]; 9], [f32; 4]) {
+        let lamps = [self.key, self.fill, self.rim];
+        let [a, b, c] = lamps.map(|l| l.toward);
+        let [d, e, f] = lamps.map(|l| l.color);
+        (
+            [a, b, c, d, e, f, self.up, SKY, GROUND],
+            [WRAP, GLOSS, RISE, KNEE],
+        )
+    }
+
     /// Light that a surface sends to the eye. `normal`, `geometric` and `to_eye` have any length but a direction; both sides
     /// of the surface are lit. Every channel of the result is from 0 to 1.
     #[must_use]

@@ -125,6 +125,12 @@ impl<'a> Shader<'a> {
         self
     }
 
+    /// Vectors to the eye over the screen, for shading elsewhere; see [`Shader::to_eye`].
+    #[cfg(feature = "gpu")]
+    pub(crate) fn rays(&self) -> [[f32; 3]; 3] {
+        self.rays
+    }
+
     /// What the shader shows.
     #[must_use]
     pub fn mode(&self) -> ShadeMode {

@@ -1,0 +1,350 @@
+//! `--backend gpu`, `info --gpu` and the measurements of it. Without feature `gpu` all of them say so, with the exit code of what is not
+//! available.
+
+use super::stats::Json;
+use earmark::frame::Finished;
+
+#[cfg(feature = "gpu")]
+pub(super) use with::{check, draw, frame, list, suite};
+#[cfg(not(feature = "gpu"))]
+pub(super) use without::{check, draw, frame, list, suite};
+
+/// What statistics say of a picture beside what every picture has.
+pub(super) type Said = Vec<(&'static str, Json)>;
+
+/// A picture, and what is said of it.
+pub(super) type Drawn = (Finished, Said);
+
+#[cfg(not(feature = "gpu"))]
+mod without {
+    use super::Drawn;
+    use crate::cli::bench::{Arguments, Outcome};
+    use crate::cli::exit::{Code, Failure};
+    use crate::cli::flags::PictureFlags;
+    use crate::cli::job::Job;
+    use earmark::{Camera, Renderer, Scene};
+
+    fn missing<T>() -> Result<T, Failure> {
+        let message = "earmark: this earmark was built without feature gpu; there is: cpu";
+        Err(Failure::new(Code::Unavailable, message))
+    }
+
+    pub(in crate::cli) fn check() -> Result<(), Failure> {
+        missing()
+    }
+    pub(in crate::cli) fn list(_: bool) -> Result<(), Failure> {
+        missing()
+    }
+    pub(in crate::cli) fn draw(
+        _: &mut Job,
+        _: &PictureFlags,
+        _: &Renderer,
+        _: &Scene,
+        _: &Camera,
+    ) -> Result<Drawn, Failure> {
+        missing()
+    }
+    pub(in crate::cli) fn frame(_: &Job, _: &Arguments, _: &Scene) -> Result<Outcome, Failure> {
+        missing()
+    }
+    pub(in crate::cli) fn suite(_: &Job, _: &Arguments, _: &Scene) -> Result<Outcome, Failure> {
+        missing()
+    }
+}
+
+#[cfg(feature = "gpu")]
+mod with {
+    use super::Drawn;
+    use crate::cli::bench::{Arguments, Outcome, Published, Row, publish, push};
+    use crate::cli::bench_paper::{CUBES, cube_cage, uniform_rows};
+    use crate::cli::exit::{Code, Failure};
+    use crate::cli::flags::PictureFlags;
+    use crate::cli::job::{Job, print_text};
+    use crate::cli::stats::{Clock, Json, Time};
+    use earmark::frame::{Finished, FrameStats, Refinement};
+    use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene, GpuStats, Refiner, adapters};
+    use earmark::{Camera, Renderer, Scene, Surface};
+    use std::fmt::Write;
+    use std::time::Duration;
+
+    impl From<GpuError> for Failure {
+        fn from(e: GpuError) -> Self {
+            match e {
+                GpuError::Limit(e) => e.into(),
+                GpuError::Render(e) => e.into(),
+                e @ GpuError::OutOfMemory { .. } => Self::new(Code::Limit, format!("earmark: {e}")),
+                e => Self::new(Code::Unavailable, format!("earmark: {e}")),
+            }
+        }
+    }
+
+    pub(in crate::cli) fn check() -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn open(picture: &PictureFlags) -> Result<Gpu, Failure> {
+        Ok(Gpu::open(&DeviceOptions {
+            allow_software: picture.allow_software_gpu,
+            ..DeviceOptions::default()
+        })?)
+    }
+
+    /// `info --gpu`.
+    pub(in crate::cli) fn list(json: bool) -> Result<(), Failure> {
+        let all = adapters();
+        if json {
+            let list = all.iter().map(|a| {
+                Json::object([
+                    ("name", Json::text(&*a.name)),
+                    ("kind", Json::text(a.kind.name())),
+                    ("backend", Json::text(&*a.backend)),
+                    ("driver", Json::text(&*a.driver)),
+                    ("max_binding_bytes", Json::Whole(a.max_binding)),
+                    ("wide_atomics", Json::Bool(a.wide_atomics)),
+                    ("timestamps", Json::Bool(a.timestamps)),
+                ])
+            });
+            let adapters = Json::object([("adapters", Json::List(list.collect()))]);
+            return print_text(&format!("{adapters}\n"));
+        }
+        let mut out = String::new();
+        if all.is_empty() {
+            out.push_str("no GPU adapter\n");
+        }
+        for a in &all {
+            let _ = writeln!(
+                out,
+                "{} ({}, {}, {}): bindings up to {} MiB, keys in {}, {}",
+                a.name,
+                a.kind.name(),
+                a.backend,
+                a.driver,
+                a.max_binding >> 20,
+                if a.wide_atomics {
+                    "one pass"
+                } else {
+                    "two passes"
+                },
+                if a.timestamps {
+                    "stages timed"
+                } else {
+                    "no times by stage"
+                },
+            );
+        }
+        print_text(&out)
+    }
+
+    fn ms(d: Duration) -> Time {
+        Time {
+            wall: d.as_secs_f64() * 1e3,
+            cpu: 0.0,
+        }
+    }
+
+    fn frame_stats(stats: &GpuStats) -> FrameStats {
+        FrameStats {
+            faces: stats.faces,
+            microtriangles: stats.microtriangles,
+            pixels_covered: stats.pixels_covered,
+            ..FrameStats::default()
+        }
+    }
+
+    pub(in crate::cli) fn draw(
+        job: &mut Job,
+        picture: &PictureFlags,
+        renderer: &Renderer,
+        scene: &Scene,
+        camera: &Camera,
+    ) -> Result<Drawn, Failure> {
+        let gpu = open(picture)?;
+        let mut ready = job.time("tables", |_| {
+            Ok::<_, Failure>(GpuScene::new(&gpu, renderer, scene, camera)?)
+        })?;
+        let drawn = ready.draw()?;
+        for &(name, time) in &drawn.stats.stages {
+            job.stages.add(name, ms(time));
+        }
+        let s = &drawn.stats;
+        let more = vec![
+            ("gpu", Json::text(&*gpu.adapter().name)),
+            ("bytes_up", Json::Whole(s.bytes_up)),
+            ("bytes_down", Json::Whole(s.bytes_down)),
+            ("read_backs", Json::Whole(s.read_backs.into())),
+            ("chunks", Json::Whole(s.chunks.into())),
+            ("scene_bytes", Json::Whole(s.scene_bytes)),
+            ("shapes", Json::Whole(s.shapes.into())),
+        ];
+        let finished = Finished {
+            stats: frame_stats(&drawn.stats),
+            image: drawn.image,
+            planes: Vec::new(),
+            view: drawn.view,
+        };
+        Ok((finished, more))
+    }
+
+    /// Times of steady frames: points up, all stages, picture down.
+    fn measure(
+        gpu: &Gpu,
+        renderer: &mut Renderer,
+        scene: &Scene,
+        camera: &Camera,
+        repeat: u32,
+        mut found: impl FnMut(&'static str, Time, &GpuStats),
+    ) -> Result<GpuStats, Failure> {
+        renderer.measure = true;
+        let points: Vec<[f32; 3]> = scene
+            .objects
+            .iter()
+            .flat_map(|o| o.surface.cage().points().iter().copied())
+            .collect();
+        let mut ready = GpuScene::new(gpu, renderer, scene, camera)?;
+        let warm = ready.draw()?;
+        for _ in 0..repeat {
+            renderer.limits.check()?;
+            let clock = Clock::now();
+            ready.move_points(&points)?;
+            let drawn = ready.draw()?;
+            found("total", clock.elapsed(), &drawn.stats);
+            for &(name, time) in &drawn.stats.stages {
+                found(name, ms(time), &drawn.stats);
+            }
+        }
+        Ok(warm.stats)
+    }
+
+    fn renderer(job: &Job, a: &Arguments) -> Renderer {
+        let mut renderer = a.picture.renderer(&a.level);
+        renderer.simd = job.simd;
+        renderer.limits = job.limits();
+        renderer
+    }
+
+    /// `bench frame --backend gpu`.
+    pub(in crate::cli) fn frame(
+        job: &Job,
+        a: &Arguments,
+        scene: &Scene,
+    ) -> Result<Outcome, Failure> {
+        let gpu = open(&a.picture)?;
+        let mut rows: Vec<Row> = Vec::new();
+        let mut camera = a.picture.camera();
+        if let Some(first) = scene.objects.first() {
+            camera = camera.relative_to(first.surface.cage().origin());
+        }
+        let mut renderer = renderer(job, a);
+        let stats = measure(
+            &gpu,
+            &mut renderer,
+            scene,
+            &camera,
+            a.repeat,
+            |name, time, s| {
+                push(&mut rows, name, time, &|_| s.microtriangles);
+            },
+        )?;
+        Ok(Outcome {
+            rows,
+            faces: stats.faces,
+            microtriangles: stats.microtriangles,
+            pixels: stats.pixels_covered,
+        })
+    }
+
+    /// Names of the rows of a model by level and stage.
+    const LEVELS: [(u32, [(&str, &str); 5]); 2] = [
+        (
+            5,
+            [
+                ("total", "l5-total"),
+                ("dice", "l5-dice"),
+                ("tile", "l5-tile"),
+                ("shade", "l5-shade"),
+                ("film", "l5-film"),
+            ],
+        ),
+        (
+            6,
+            [
+                ("total", "l6-total"),
+                ("dice", "l6-dice"),
+                ("tile", "l6-tile"),
+                ("shade", "l6-shade"),
+                ("film", "l6-film"),
+            ],
+        ),
+    ];
+
+    /// `bench gpu`: everything that is compared with figures from elsewhere, in one run.
+    pub(in crate::cli) fn suite(
+        job: &Job,
+        a: &Arguments,
+        scene: &Scene,
+    ) -> Result<Outcome, Failure> {
+        let gpu = open(&a.picture)?;
+        let mut rows: Vec<Row> = Vec::new();
+        let mut last = GpuStats::default();
+        let mut plain = renderer(job, a);
+        for (level, names) in LEVELS {
+            plain.refinement = Refinement::Uniform(level);
+            let camera = a.picture.camera();
+            last = measure(
+                &gpu,
+                &mut plain,
+                scene,
+                &camera,
+                a.repeat,
+                |name, time, s| {
+                    if let Some(&(_, row)) = names.iter().find(|n| n.0 == name) {
+                        push(&mut rows, row, time, &|_| s.microtriangles);
+                    }
+                },
+            )?;
+        }
+        plain.size.samples = 1;
+        for row in uniform_rows() {
+            plain.refinement = Refinement::Uniform(row.level);
+            let scene = Scene::of(Surface::new(row.cage?, &row.options));
+            let camera = Camera::default();
+            let stats = measure(
+                &gpu,
+                &mut plain,
+                &scene,
+                &camera,
+                a.repeat,
+                |name, time, s| {
+                    if name == "total" {
+                        push(&mut rows, row.name, time, &|_| s.microtriangles);
+                    }
+                },
+            )?;
+            let published = Published {
+                milliseconds: row.published_ms,
+                coarse: stats.faces,
+            };
+            publish(&mut rows, row.name, published);
+        }
+        for (name, iterations, [_, published]) in CUBES {
+            let surface = Surface::new(cube_cage()?, &earmark::SurfaceOptions::default());
+            let refiner = Refiner::new(&gpu, &surface, iterations)?;
+            for _ in 0..=a.repeat {
+                let time = ms(refiner.timed(&gpu)?);
+                let faces = u64::from(refiner.face_count());
+                push(&mut rows, name, time, &|_| 2 * faces);
+            }
+            let published = Published {
+                milliseconds: published * 1e3,
+                coarse: 6,
+            };
+            publish(&mut rows, name, published);
+        }
+        Ok(Outcome {
+            rows,
+            faces: last.faces,
+            microtriangles: last.microtriangles,
+            pixels: last.pixels_covered,
+        })
+    }
+}

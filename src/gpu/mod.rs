@@ -1,0 +1,59 @@
+//! The same stages on a GPU, through wgpu: feature `gpu`.
+//!
+//! Without the feature there are only the [`records`] that processor and device share and the sources of the stages ([`wgsl`]), so that
+//! a test can hold them together on any machine.
+//!
+//! # A frame
+//!
+//! | stage | file | one invocation |
+//! |---|---|---|
+//! | `sides` | `dice.wgsl` | a corner or a point of a side: evaluated once, from one face's control points, whoever shares it |
+//! | `dice` | `dice.wgsl` | points of a block's inside; what lies on sides is copied, so shared points have the same bits |
+//! | `tile` | `tile.wgsl` | micro-quads: projected, snapped, covered samples by exact integers into visibility keys |
+//! | `large` | `large.wgsl` | quads of many pixels and clipped ones, a workgroup each |
+//! | `shade` | `shade.wgsl` | a pixel: its samples that show one place of the surface together, as on the processor |
+//! | `film` | `film.wgsl` | a pixel: resolved and encoded |
+//!
+//! Points, normals and keys stay on the device. Up goes what moved: control points and the view. Down comes the picture.
+//!
+//! # Dicing
+//!
+//! Every point of a face is a sum of weights times control points, and so are its derivatives: the weights depend on nothing but how the
+//! mesh hangs together around the face. They are taken from the processor's own evaluation ([`evaluate`](crate::evaluate)), by control
+//! points that are unit vectors, once per *shape* of surroundings; so every scheme and rule that it knows is here, with its exactness.
+
+pub mod records;
+pub mod wgsl;
+
+#[cfg(feature = "gpu")]
+mod chunk;
+#[cfg(feature = "gpu")]
+mod device;
+#[cfg(feature = "gpu")]
+mod draw;
+#[cfg(feature = "gpu")]
+mod error;
+#[cfg(feature = "gpu")]
+mod levels;
+#[cfg(feature = "gpu")]
+mod pipelines;
+#[cfg(feature = "gpu")]
+mod plan;
+#[cfg(feature = "gpu")]
+mod surroundings;
+#[cfg(feature = "gpu")]
+mod tables;
+#[cfg(feature = "gpu")]
+mod timer;
+
+#[cfg(feature = "gpu")]
+pub use device::{AdapterKind, AdapterSummary, DeviceOptions, Gpu, adapters};
+#[cfg(feature = "gpu")]
+#[doc(hidden)]
+pub use draw::ReadBlock;
+#[cfg(feature = "gpu")]
+pub use draw::{GpuFrame, GpuScene, GpuStats};
+#[cfg(feature = "gpu")]
+pub use error::GpuError;
+#[cfg(feature = "gpu")]
+pub use levels::Refiner;

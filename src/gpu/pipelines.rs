@@ -1,0 +1,94 @@
+//! Compute pipelines of all stages, made once per device.
+
+use super::device::Gpu;
+use super::error::GpuError;
+use super::wgsl::{self, Keys, Source};
+
+/// A stage's pipeline.
+#[derive(Debug)]
+pub(super) struct Stage {
+    pub(super) pipeline: wgpu::ComputePipeline,
+}
+
+/// All of them.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    pub(super) sides: Stage,
+    pub(super) inside: Stage,
+    pub(super) tile: Stage,
+    pub(super) large: Stage,
+    pub(super) shade: Stage,
+    pub(super) film: Stage,
+}
+
+impl Pipelines {
+    pub(super) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let keys = if gpu.wide { Keys::Wide } else { Keys::TwoPass };
+        let dice = module(gpu, &wgsl::dice());
+        let made = Self {
+            sides: stage(gpu, &dice, "sides"),
+            inside: stage(gpu, &dice, "inside"),
+            tile: stage(gpu, &module(gpu, &wgsl::tile(keys)), "main"),
+            large: stage(gpu, &module(gpu, &wgsl::large(keys)), "main"),
+            shade: stage(gpu, &module(gpu, &wgsl::shade()), "main"),
+            film: stage(gpu, &module(gpu, &wgsl::film()), "main"),
+        };
+        gpu.check().map(|()| made)
+    }
+}
+
+pub(super) fn module(gpu: &Gpu, source: &Source) -> wgpu::ShaderModule {
+    gpu.device()
+        .create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(source.name),
+            source: wgpu::ShaderSource::Wgsl(source.text.as_str().into()),
+        })
+}
+
+pub(super) fn stage(gpu: &Gpu, module: &wgpu::ShaderModule, entry: &'static str) -> Stage {
+    let pipeline = gpu
+        .device()
+        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: None,
+            module,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+    Stage { pipeline }
+}
+
+impl Stage {
+    /// Binds buffers to the numbers that the source gives them.
+    pub(super) fn bind(&self, gpu: &Gpu, buffers: &[(u32, &wgpu::Buffer)]) -> wgpu::BindGroup {
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = buffers
+            .iter()
+            .map(|&(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        })
+    }
+
+    /// Runs `groups` workgroups, in rows of `across`.
+    pub(super) fn run(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        bindings: &wgpu::BindGroup,
+        groups: u32,
+        across: u32,
+    ) {
+        if groups == 0 {
+            return;
+        }
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, bindings, &[]);
+        pass.dispatch_workgroups(groups.min(across), groups.div_ceil(across), 1);
+    }
+}

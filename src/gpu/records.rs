@@ -1,0 +1,309 @@
+//! Plain data between the processor and the device: every structure here is one of the same name in the WGSL sources, field by field.
+//!
+//! A test holds the two together through naga, without a GPU ([`Record::layout`]). Buffers are filled word by word ([`Record::put`]),
+//! so nothing depends on how this compiler lays structures out beyond `repr(C)`.
+
+/// A field of a record: name, offset and size in bytes.
+pub type Field = (&'static str, usize, usize);
+
+/// A structure that Rust and WGSL share.
+pub trait Record {
+    /// Its name in WGSL.
+    const NAME: &'static str;
+    /// Bytes of one.
+    const SIZE: usize;
+    /// All fields in order.
+    fn layout() -> Vec<Field>;
+    /// Appends its words.
+    fn put(&self, out: &mut Vec<u32>);
+}
+
+/// Words of a number or of several.
+trait Words {
+    fn put(&self, out: &mut Vec<u32>);
+}
+
+impl Words for u32 {
+    fn put(&self, out: &mut Vec<u32>) {
+        out.push(*self);
+    }
+}
+
+impl Words for i32 {
+    fn put(&self, out: &mut Vec<u32>) {
+        out.push(self.cast_unsigned());
+    }
+}
+
+impl Words for f32 {
+    fn put(&self, out: &mut Vec<u32>) {
+        out.push(self.to_bits());
+    }
+}
+
+impl<T: Words, const N: usize> Words for [T; N] {
+    fn put(&self, out: &mut Vec<u32>) {
+        for item in self {
+            item.put(out);
+        }
+    }
+}
+
+/// Words of a list of records.
+#[must_use]
+pub fn words<R: Record>(records: &[R]) -> Vec<u32> {
+    let mut out = Vec::with_capacity(records.len() * R::SIZE / 4);
+    for record in records {
+        record.put(&mut out);
+    }
+    out
+}
+
+macro_rules! record {
+    ($(#[$about:meta])* $name:ident { $($(#[$field_about:meta])* $field:ident: $kind:ty,)* }) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[repr(C)]
+        pub struct $name {
+            $($(#[$field_about])* pub $field: $kind,)*
+        }
+
+        impl Record for $name {
+            const NAME: &'static str = stringify!($name);
+            const SIZE: usize = size_of::<Self>();
+            fn layout() -> Vec<Field> {
+                vec![$((stringify!($field), std::mem::offset_of!($name, $field), size_of::<$kind>()),)*]
+            }
+            fn put(&self, out: &mut Vec<u32>) {
+                $(Words::put(&self.$field, out);)*
+            }
+        }
+    };
+}
+
+record! {
+    /// A picture: view, lights and film. A uniform.
+    Frame {
+        /// Rows of the projection; see [`Projection`](crate::records::Projection).
+        x: [f32; 4],
+        /// Row of Y.
+        y: [f32; 4],
+        /// Row of W.
+        w: [f32; 4],
+        /// Row of the depth of an orthographic view.
+        d: [f32; 4],
+        /// Vector to the eye over the screen, in 1/256 pixel: `ray_x * x + (ray_y * y + ray_0)`.
+        ray_x: [f32; 4],
+        /// Its change down the screen.
+        ray_y: [f32; 4],
+        /// The vector at the upper left.
+        ray_0: [f32; 4],
+        /// The eye.
+        eye: [f32; 4],
+        /// Towards the eye of an orthographic view, and in `w` the offset of distances along the view axis.
+        back: [f32; 4],
+        /// Unit vector to the key light.
+        key_toward: [f32; 4],
+        /// Its colour; in `w` how far light wraps around.
+        key_color: [f32; 4],
+        /// Unit vector to the fill light.
+        fill_toward: [f32; 4],
+        /// Its colour; in `w` the strength of the highlight.
+        fill_color: [f32; 4],
+        /// Unit vector to the rim light.
+        rim_toward: [f32; 4],
+        /// Its colour; in `w` what the highlight gains towards the silhouette.
+        rim_color: [f32; 4],
+        /// Up.
+        up: [f32; 4],
+        /// Surround from above; in `w` where the shoulder begins.
+        sky: [f32; 4],
+        /// Surround from below.
+        ground: [f32; 4],
+        /// Premultiplied background.
+        background: [f32; 4],
+        /// Samples in a pixel, 1/256 pixel from its upper left, two by two.
+        offsets: [[i32; 4]; 8],
+        /// Near distance.
+        near: f32,
+        /// Distance where depth is 0.
+        depth_near: f32,
+        /// Distance where depth is 1.
+        depth_far: f32,
+        /// 1 for an orthographic view.
+        ortho: u32,
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// Samples per pixel.
+        samples: u32,
+        /// Number of the shading mode.
+        mode: u32,
+        /// First row of the band of rows that is drawn.
+        band_start: u32,
+        /// One past its last row.
+        band_end: u32,
+        /// 1 where bytes are sRGB.
+        srgb: u32,
+        /// Bits of a row or column in an id.
+        id_bits: u32,
+    }
+}
+
+record! {
+    /// What one chunk of blocks is. A uniform.
+    Chunk {
+        /// Rank of its first block among all.
+        first_rank: u32,
+        /// Number of blocks.
+        blocks: u32,
+        /// Number of corners and points of sides, which stand before the blocks in the points of the chunk.
+        spots: u32,
+        /// Of the two-pass raster: 0 for depths, 1 for ids.
+        phase: u32,
+        /// Workgroups along x of every dispatch.
+        groups: u32,
+        /// Whether faces are triangles.
+        triangles: u32,
+        /// Entries that the list of large quads holds.
+        large: u32,
+        /// 1 where faces are quadratic patches through points of level 1.
+        patches: u32,
+    }
+}
+
+record! {
+    /// The control points of a face and its table of weights.
+    Stencil {
+        /// First entry of its control points in the list of gathers.
+        gather: u32,
+        /// How many there are.
+        count: u32,
+        /// First weight of its table, in triples (position, du, dv).
+        table: u32,
+        /// Triples from one control point to the next.
+        stride: u32,
+    }
+}
+
+record! {
+    /// A point on a side or at a corner: its position comes from one face, its normal from one, whoever shares it.
+    Spot {
+        /// Stencil of the position.
+        stencil: u32,
+        /// Point of its table.
+        index: u32,
+        /// Stencil of the normal.
+        normal_stencil: u32,
+        /// Point of that table.
+        normal_index: u32,
+    }
+}
+
+record! {
+    /// A face that is diced.
+    Face {
+        /// Spots of the corners.
+        corners: [u32; 4],
+        /// First spots of the sides.
+        sides: [u32; 4],
+        /// Per side eight bits: by how many levels its spots are finer than the face, in bit 7 whether they run the other way, and in bit 6 whether
+        /// the side of the face that owns their positions does.
+        turns: u32,
+        /// Its stencil.
+        stencil: u32,
+        /// Points of a row of its table.
+        row: u32,
+        /// By how many levels the table is finer than the face.
+        shift: u32,
+        /// Level that its blocks' places are given in.
+        reach: u32,
+        /// Number of the cage's face in the scene.
+        number: u32,
+        /// Material.
+        material: u32,
+        /// First entry of its texture coordinates in the list of gathers: where they stand among the control numbers.
+        uv_gather: u32,
+        /// How many there are; 0 without.
+        uv_count: u32,
+        /// First weight of their table, as fine as that of points.
+        uv_table: u32,
+        /// Where colours of the object's vertices begin among the control numbers, counted as if they began at the scene's first control
+        /// point; 0 without.
+        colors: u32,
+        /// Spot of the middle, of quadratic patches.
+        middle: u32,
+    }
+}
+
+record! {
+    /// A block: a square of a face's grid.
+    Block {
+        /// Its face in the chunk.
+        face: u32,
+        /// First column, on the face's reach.
+        start_x: u32,
+        /// First row.
+        start_y: u32,
+        /// From one point to the next there.
+        step: u32,
+        /// Micro-quads along a side, as a power of two.
+        log: u32,
+        /// First of its points in the points of the chunk.
+        base: u32,
+        /// First of its moved points.
+        moves: u32,
+        /// How many there are.
+        move_count: u32,
+        /// Level that it shows.
+        level: u32,
+        /// First of its quads among those of the chunk.
+        first_quad: u32,
+        /// Nothing.
+        padding: [u32; 2],
+    }
+}
+
+record! {
+    /// A point of a block's rim that is elsewhere.
+    Move {
+        /// Point of the block, row by row.
+        at: u32,
+        /// Column on the face's reach.
+        x: u32,
+        /// Row there.
+        y: u32,
+        /// Nothing.
+        padding: u32,
+    }
+}
+
+record! {
+    /// What a face is made of.
+    Material {
+        /// Linear colour.
+        diffuse: [f32; 4],
+        /// Where its texture begins among the words of textures, or all bits.
+        map: u32,
+        /// Nothing.
+        padding: [u32; 3],
+    }
+}
+
+record! {
+    /// Sizes of a mesh of quads that is refined by one step. A uniform.
+    Step {
+        /// Vertices.
+        vertices: u32,
+        /// Edges.
+        edges: u32,
+        /// Faces.
+        faces: u32,
+        /// Workgroups along x of every dispatch.
+        groups: u32,
+    }
+}
+
+/// Floats of a point of a chunk: position, then unit normal.
+pub const POINT_FLOATS: u32 = 6;

@@ -1,0 +1,80 @@
+//! Time on the device: a pair of time stamps per stage.
+
+use super::device::Gpu;
+use super::draw::read;
+use super::error::GpuError;
+use std::time::Duration;
+use wgpu::BufferUsages as Usage;
+
+/// Time stamps of some stages.
+#[derive(Debug)]
+pub(super) struct Timer {
+    set: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    stages: u32,
+}
+
+impl Timer {
+    /// For one stage; nothing where the device keeps no time.
+    pub(super) fn new(gpu: &Gpu) -> Result<Option<Self>, GpuError> {
+        Self::of_stages(gpu, 1)
+    }
+
+    pub(super) fn of_stages(gpu: &Gpu, stages: u32) -> Result<Option<Self>, GpuError> {
+        if !gpu.timestamps {
+            return Ok(None);
+        }
+        let set = gpu.device().create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("stages"),
+            ty: wgpu::QueryType::Timestamp,
+            count: 2 * stages,
+        });
+        let bytes = 16 * u64::from(stages);
+        Ok(Some(Self {
+            set,
+            resolved: gpu.empty("times", bytes, Usage::QUERY_RESOLVE | Usage::COPY_SRC)?,
+            staging: gpu.empty("times", bytes, Usage::COPY_DST | Usage::MAP_READ)?,
+            stages,
+        }))
+    }
+
+    /// Stamps of the first stage.
+    pub(super) fn writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
+        self.of_stage(0)
+    }
+
+    pub(super) fn of_stage(&self, stage: u32) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: Some(2 * stage),
+            end_of_pass_write_index: Some(2 * stage + 1),
+        }
+    }
+
+    pub(super) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.resolve_query_set(&self.set, 0..2 * self.stages, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, self.staging.size());
+    }
+
+    /// Time of the first stage, once the device is done.
+    pub(super) fn read(&self, gpu: &Gpu) -> Result<Duration, GpuError> {
+        Ok(self.read_all(gpu)?.first().copied().unwrap_or_default())
+    }
+
+    pub(super) fn read_all(&self, gpu: &Gpu) -> Result<Vec<Duration>, GpuError> {
+        let bytes = read(gpu, &self.staging)?;
+        let period = f64::from(gpu.queue().get_timestamp_period());
+        let ticks: Vec<u64> = bytes
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|b| u64::from_le_bytes(*b))
+            .collect();
+        let spent = |[begin, end]: &[u64; 2]| {
+            Duration::from_nanos((end.saturating_sub(*begin) as f64 * period) as u64)
+        };
+        let pairs = ticks.as_chunks::<2>().0.iter().take(self.stages as usize);
+        Ok(pairs.map(spent).collect())
+    }
+}

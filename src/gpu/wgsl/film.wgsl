@@ -1,0 +1,36 @@
+// Colours into bytes: the mean of the samples over the background, encoded (src/film).
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> chunk: Chunk;
+@group(0) @binding(2) var<storage, read> sums: array<vec4<f32>>;
+// The whole picture, a word per pixel.
+@group(0) @binding(3) var<storage, read_write> image: array<u32>;
+
+fn encode(linear: f32) -> u32 {
+    let x = clamp(linear, 0.0, 1.0);
+    if frame.srgb == 0u {
+        return u32(x * 255.0 + 0.5);
+    }
+    let low = x * 12.92;
+    let high = 1.055 * pow(max(x, 1e-6), 1.0 / 2.4) - 0.055;
+    return u32(select(high, low, x <= 0.0031308) * 255.0 + 0.5);
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let pixel = (group.y * chunk.groups + group.x) * 64u + lane;
+    let rows = frame.band_end - frame.band_start;
+    if pixel >= frame.width * rows {
+        return;
+    }
+    let seen = sums[pixel] * (1.0 / f32(frame.samples));
+    let over = seen + frame.background * max(1.0 - seen.w, 0.0);
+    var bytes = 0u;
+    if over.w > 0.0 {
+        let k = select(1.0 / over.w, 1.0, over.w >= 1.0);
+        let rgb = over.xyz * k;
+        let alpha = u32(min(over.w, 1.0) * 255.0 + 0.5);
+        bytes = encode(rgb.x) | (encode(rgb.y) << 8u) | (encode(rgb.z) << 16u) | (alpha << 24u);
+    }
+    image[frame.band_start * frame.width + pixel] = bytes;
+}

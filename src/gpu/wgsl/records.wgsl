@@ -1,0 +1,112 @@
+// Structures that the processor fills: field by field those of src/gpu/records.rs.
+
+struct Frame {
+    x: vec4<f32>,
+    y: vec4<f32>,
+    w: vec4<f32>,
+    d: vec4<f32>,
+    ray_x: vec4<f32>,
+    ray_y: vec4<f32>,
+    ray_0: vec4<f32>,
+    eye: vec4<f32>,
+    back: vec4<f32>,
+    key_toward: vec4<f32>,
+    key_color: vec4<f32>,
+    fill_toward: vec4<f32>,
+    fill_color: vec4<f32>,
+    rim_toward: vec4<f32>,
+    rim_color: vec4<f32>,
+    up: vec4<f32>,
+    sky: vec4<f32>,
+    ground: vec4<f32>,
+    background: vec4<f32>,
+    offsets: array<vec4<i32>, 8>,
+    near: f32,
+    depth_near: f32,
+    depth_far: f32,
+    ortho: u32,
+    width: u32,
+    height: u32,
+    samples: u32,
+    mode: u32,
+    band_start: u32,
+    band_end: u32,
+    srgb: u32,
+    id_bits: u32,
+}
+
+struct Chunk {
+    first_rank: u32,
+    blocks: u32,
+    spots: u32,
+    phase: u32,
+    groups: u32,
+    triangles: u32,
+    large: u32,
+    patches: u32,
+}
+
+struct Stencil {
+    gather: u32,
+    count: u32,
+    table: u32,
+    stride: u32,
+}
+
+struct Spot {
+    stencil: u32,
+    index: u32,
+    normal_stencil: u32,
+    normal_index: u32,
+}
+
+struct Face {
+    corners: vec4<u32>,
+    sides: vec4<u32>,
+    turns: u32,
+    stencil: u32,
+    row: u32,
+    shift: u32,
+    reach: u32,
+    number: u32,
+    material: u32,
+    uv_gather: u32,
+    uv_count: u32,
+    uv_table: u32,
+    colors: u32,
+    middle: u32,
+}
+
+struct Block {
+    face: u32,
+    start_x: u32,
+    start_y: u32,
+    step: u32,
+    log: u32,
+    base: u32,
+    moves: u32,
+    move_count: u32,
+    level: u32,
+    first_quad: u32,
+    padding: vec2<u32>,
+}
+
+struct Move {
+    at: u32,
+    x: u32,
+    y: u32,
+    padding: u32,
+}
+
+struct Material {
+    diffuse: vec4<f32>,
+    map: u32,
+    padding: array<u32, 3>,
+}
+
+struct Step {
+    vertices: u32,
+    edges: u32,
+    faces: u32,
+    groups: u32,
+}

@@ -1,0 +1,263 @@
+//! Diced points and normals, read back for the test: against the processor's, and among faces that share them.
+
+use crate::{asset, gpu, gpu_with, plain, torus, uniform};
+use earmark::gpu::{DeviceOptions, Gpu, GpuScene, ReadBlock};
+use earmark::patch::PatchKind;
+use earmark::scheme::Scheme;
+use earmark::{Camera, Scene, Surface, SurfaceOptions};
+
+/// Blocks of a scene at a uniform level.
+fn blocks(gpu: &Gpu, scene: &Scene, level: u32) -> Vec<ReadBlock> {
+    let renderer = uniform(32, 32, level);
+    let mut ready = GpuScene::new(gpu, &renderer, scene, &Camera::default()).unwrap();
+    ready.draw().unwrap();
+    ready.read_blocks().unwrap()
+}
+
+/// Length of the box of a surface's control points.
+fn size(surface: &Surface) -> f64 {
+    let [low, high] = surface.cage().bounds();
+    let square = |k: usize| f64::from(high[k] - low[k]).powi(2);
+    (0..3).map(square).sum::<f64>().sqrt()
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f64 {
+    (0..3).map(|k| f64::from(a[k]) * f64::from(b[k])).sum()
+}
+
+/// Largest distance of points, relative to the surface, and largest angle of normals in degrees; how many were compared.
+fn compare(surface: &Surface, blocks: &[ReadBlock], level: u32) -> (f64, f64, usize) {
+    let (distance, angles, count) = angles(surface, blocks, level);
+    (distance, angles.into_iter().fold(0.0, f64::max), count)
+}
+
+/// The same with all angles.
+fn angles(surface: &Surface, blocks: &[ReadBlock], level: u32) -> (f64, Vec<f64>, usize) {
+    let quad_level = level - u32::from(surface.is_split());
+    let (mut distance, mut angles, mut count) = (0.0_f64, Vec::new(), 0);
+    let size = size(surface);
+    for block in blocks {
+        let want = surface.dice(block.quad, quad_level);
+        for (k, got) in block.points.iter().enumerate() {
+            let (i, j) = (k % block.side, k / block.side);
+            let at = (block.start[1] as usize + j) * want.side + block.start[0] as usize + i;
+            let p = want.points[at];
+            let off = (0..3)
+                .map(|c| f64::from(got[c] - p[c]).powi(2))
+                .sum::<f64>();
+            distance = distance.max(off.sqrt() / size);
+            let (n, m) = ([got[3], got[4], got[5]], want.normals[at]);
+            // Where a surface has no normal, the processor says something defined, the device nothing.
+            if dot(n, n) > 0.5 && dot(m, m) > 0.5 {
+                let cross: [f64; 3] = std::array::from_fn(|c| {
+                    let (a, b) = ((c + 1) % 3, (c + 2) % 3);
+                    f64::from(n[a]) * f64::from(m[b]) - f64::from(n[b]) * f64::from(m[a])
+                });
+                let sine = cross.iter().map(|c| c * c).sum::<f64>().sqrt();
+                angles.push(sine.atan2(dot(n, m)).to_degrees());
+            }
+            count += 1;
+        }
+    }
+    (distance, angles, count)
+}
+
+/// What is compared: asset, scheme and levels.
+fn cases() -> Vec<(&'static str, Scheme, &'static [u32])> {
+    use Scheme::{Bilinear, Butterfly, CatmullClark, Kobbelt, Loop};
+    vec![
+        ("cube", CatmullClark, &[1, 2, 3, 4, 5, 6]),
+        ("fan3", CatmullClark, &[1, 3]),
+        ("fan5", CatmullClark, &[1, 4]),
+        ("fan24", CatmullClark, &[3]),
+        ("corner", CatmullClark, &[2, 4]),
+        ("mobius", CatmullClark, &[3]),
+        ("octahedron", CatmullClark, &[1, 3, 5]),
+        ("part", CatmullClark, &[1, 2, 3, 4]),
+        ("part_creased", CatmullClark, &[1, 2, 4]),
+        ("part_creased", Bilinear, &[2]),
+        ("creature", CatmullClark, &[1, 3, 5]),
+        ("octahedron", Loop, &[1, 3, 5]),
+        ("tetrahedron", Loop, &[2, 6]),
+        ("octahedron", Butterfly, &[1, 3]),
+        ("cube", Kobbelt, &[1, 3]),
+    ]
+}
+
+#[test]
+fn points_are_the_processors() {
+    let Some(gpu) = gpu("points") else { return };
+    let (mut far, mut turned, mut total, mut run) = (0.0_f64, 0.0_f64, 0, 0);
+    for (name, scheme, levels) in cases() {
+        let options = SurfaceOptions {
+            scheme: Some(scheme),
+            ..SurfaceOptions::default()
+        };
+        let scene = asset(name, options);
+        let surface = &scene.objects[0].surface;
+        for &level in levels {
+            let (distance, angle, count) = compare(surface, &blocks(&gpu, &scene, level), level);
+            println!(
+                "gpu points {name} {scheme:?} {level}: {distance:.1e} of the model, {angle:.4} degrees, {count} points"
+            );
+            assert!(count > 0);
+            assert!(
+                distance <= 2e-6,
+                "{name} {scheme:?} at level {level}: {distance}"
+            );
+            assert!(
+                angle <= 0.05,
+                "{name} {scheme:?} at level {level}: {angle} degrees"
+            );
+            (far, turned) = (far.max(distance), turned.max(angle));
+            total += count;
+            run += 1;
+        }
+    }
+    println!(
+        "gpu points: {run} cases, {total} points, off by at most {far:.1e} of the model and {turned:.4} degrees"
+    );
+}
+
+#[test]
+fn quadratic_patches_are_the_processors() {
+    let Some(gpu) = gpu("patches") else { return };
+    let (mut far, mut turned, mut run) = (0.0_f64, 0.0_f64, 0);
+    for (name, scheme) in [
+        ("creature", Scheme::CatmullClark),
+        ("part_creased", Scheme::CatmullClark),
+        ("cube", Scheme::CatmullClark),
+        ("octahedron", Scheme::Loop),
+    ] {
+        let options = SurfaceOptions {
+            scheme: Some(scheme),
+            patches: PatchKind::Qas,
+            ..SurfaceOptions::default()
+        };
+        let scene = plain(asset(name, options));
+        let surface = &scene.objects[0].surface;
+        for level in [2, 4] {
+            let found = blocks(&gpu, &scene, level);
+            let (distance, all, count) = angles(surface, &found, level);
+            // Between opposite normals of a thin part the fitted one vanishes, and has no direction.
+            let far_off = all.iter().filter(|&&a| a > 0.05).count();
+            assert!(
+                far_off * 5000 <= all.len(),
+                "{name}: {far_off} of {}",
+                all.len()
+            );
+            let within = all.into_iter().filter(|&a| a <= 0.05);
+            let angle = within.fold(0.0, f64::max);
+            println!(
+                "gpu patches {name} {level}: {distance:.1e} of the model, {angle:.4} degrees, {count} points"
+            );
+            assert!(distance <= 2e-6 && angle <= 0.05, "{name} at level {level}");
+            if scheme == Scheme::CatmullClark {
+                let (differ, compared) = differing(surface, &found);
+                assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
+            }
+            (far, turned) = (far.max(distance), turned.max(angle));
+            run += 1;
+        }
+    }
+    println!(
+        "gpu patches: {run} cases, off by at most {far:.1e} of the model and {turned:.4} degrees"
+    );
+}
+
+#[test]
+fn reference_models_have_the_processors_points() {
+    let Some(shared) = crate::common::shared() else {
+        println!("gpu reference points: not run, EARMARK_SHARED is not set");
+        return;
+    };
+    let Some(gpu) = gpu("reference points") else {
+        return;
+    };
+    let mut run = 0;
+    for model in ["Bigguy", "Monsterfrog", "spot", "suzanne", "ArmorGuy"] {
+        let scene = crate::common::load(&shared.join("models").join(format!("{model}.obj")));
+        let surface = &scene.objects[0].surface;
+        for level in [1, 3] {
+            let (distance, angle, count) = compare(surface, &blocks(&gpu, &scene, level), level);
+            println!(
+                "gpu points {model} {level}: {distance:.1e} of the model, {angle:.4} degrees, {count} points"
+            );
+            assert!(
+                distance <= 2e-6 && angle <= 0.05,
+                "{model} at level {level}"
+            );
+            run += 1;
+        }
+    }
+    println!("gpu reference points: {run} cases");
+}
+
+/// Points along side `c` of a face's only block, from its first corner on.
+fn side(block: &ReadBlock, c: usize) -> Vec<[u32; 3]> {
+    let n = block.side - 1;
+    (0..=n)
+        .map(|k| {
+            let (i, j) = [(k, 0), (n, k), (n - k, n), (0, n - k)][c];
+            let p = block.points[j * block.side + i];
+            [p[0].to_bits(), p[1].to_bits(), p[2].to_bits()]
+        })
+        .collect()
+}
+
+/// Points of shared sides that have other bits in the second face, and how many were compared.
+fn differing(surface: &Surface, blocks: &[ReadBlock]) -> (usize, usize) {
+    let t = surface.quads();
+    let (mut differ, mut compared) = (0, 0);
+    let of = |quad: u32| blocks.iter().find(|b| b.quad == quad);
+    for h in 0..t.half_count() as u32 {
+        let twin = t.twin(h);
+        if twin == u32::MAX || twin < h {
+            continue;
+        }
+        let (Some(a), Some(b)) = (of(h / 4), of(twin / 4)) else {
+            continue;
+        };
+        let (a, mut b) = (side(a, h as usize % 4), side(b, twin as usize % 4));
+        b.reverse();
+        compared += a.len();
+        differ += a.iter().zip(&b).filter(|(a, b)| a != b).count();
+    }
+    (differ, compared)
+}
+
+#[test]
+fn shared_points_have_the_same_bits() {
+    let Some(gpu) = gpu("shared points") else {
+        return;
+    };
+    // Small chunks: sides between chunks are evaluated in both.
+    let small = DeviceOptions {
+        max_binding: 1_500_000,
+        ..DeviceOptions::default()
+    };
+    let Some(chunked) = gpu_with("shared points", &small) else {
+        return;
+    };
+    let (mut total, mut run) = (0, 0);
+    for name in ["cube", "fan5", "creature", "part", "part_creased", "torus"] {
+        let scene = plain(asset(name, SurfaceOptions::default()));
+        for gpu in [&gpu, &chunked] {
+            for level in [2, 4] {
+                let found = blocks(gpu, &scene, level);
+                let (differ, compared) = differing(&scene.objects[0].surface, &found);
+                assert!(compared > 0);
+                assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
+                total += compared;
+                run += 1;
+            }
+        }
+    }
+    // The test notices a bit.
+    let scene = torus(6, 5);
+    let mut found = blocks(&gpu, &scene, 2);
+    let p = &mut found[3].points[2][1];
+    *p = f32::from_bits(p.to_bits() ^ 1);
+    assert_eq!(differing(&scene.objects[0].surface, &found).0, 1);
+    println!("gpu shared points: {run} cases, 0 of {total} differ");
+}

@@ -1,0 +1,66 @@
+//! The command line: refusal of software, exit codes, statistics.
+
+use std::process::{Command, Output};
+
+fn earmark(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_earmark"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command.args(arguments).output().unwrap()
+}
+
+#[test]
+fn software_is_refused_unless_allowed() {
+    let Some(gpu) = crate::gpu("program") else {
+        return;
+    };
+    let out = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("gpu_program.png");
+    let _ = std::fs::remove_file(&out);
+    let out = out.to_str().unwrap();
+    let mut arguments = vec![
+        "render",
+        "assets/creature.obj",
+        "-o",
+        out,
+        "-s",
+        "128x96",
+        "-l",
+        "2",
+        "--backend",
+        "gpu",
+        "--stats",
+        "-",
+    ];
+    if gpu.adapter().kind == earmark::gpu::AdapterKind::Software {
+        let refused = earmark(&arguments);
+        let text = String::from_utf8_lossy(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(6), "{text}");
+        assert!(text.contains("--allow-software-gpu"), "{text}");
+        assert!(!std::path::Path::new(out).exists());
+    }
+    arguments.push("--allow-software-gpu");
+    let drawn = earmark(&arguments);
+    assert_eq!(
+        drawn.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&drawn.stderr)
+    );
+    assert!(std::path::Path::new(out).exists());
+    let stats: serde_json::Value = serde_json::from_slice(&drawn.stdout).unwrap();
+    assert_eq!(stats["read_backs"], 1);
+    assert_eq!(stats["bytes_down"], 4 * 128 * 96);
+    assert!(stats["bytes_up"].as_u64().unwrap() > 0);
+    // What it cannot draw it does not draw otherwise.
+    arguments.extend(["--surface", "cage"]);
+    let refused = earmark(&arguments);
+    assert_eq!(refused.status.code(), Some(6));
+    let listed = earmark(&["info", "--gpu", "--json"]);
+    let list: serde_json::Value = serde_json::from_slice(&listed.stdout).unwrap();
+    let names = list["adapters"].as_array().unwrap();
+    assert!(
+        names
+            .iter()
+            .any(|a| a["name"] == gpu.adapter().name.as_str())
+    );
+    println!("gpu program: 4 cases");
+}
