@@ -38,6 +38,8 @@ pub(super) enum Action {
     Next(Cycle, i32),
     /// The limit surface, or the control points of a level.
     LimitOrRefined,
+    /// Draws lines of `--overlay` over the picture, or no more.
+    Overlay(&'static str),
     /// Turns the lights by so many degrees.
     Light(i32),
     /// Perspective or parallel projection.
@@ -82,7 +84,18 @@ impl Cycle {
     #[must_use]
     pub(super) fn values(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::Shade => ("shade", &["lit", "flat", "normals", "uv", "depth", "level"]),
+            Self::Shade => (
+                "shade",
+                &[
+                    "lit",
+                    "flat",
+                    "normals",
+                    "uv",
+                    "depth",
+                    "level",
+                    "wireframe",
+                ],
+            ),
             Self::Surface => ("surface", &["limit", "refined", "cage", "qas", "pn"]),
             Self::Scheme => (
                 "scheme",
@@ -120,7 +133,7 @@ const fn row(keys: &'static str, does: &'static str, presses: &'static [(Press, 
 
 use Action::{
     Adaptive, Backdrop, Figures, Flatness, Help, Level, Levels, Light, LimitOrRefined, LookFrom,
-    Model, Next, Ortho, Print, Quit, Reload, Reset, Save, Turntable,
+    Model, Next, Ortho, Overlay, Print, Quit, Reload, Reset, Save, Turntable,
 };
 use Press::{Char, Down, Enter, Escape, F, Left, Right, Shift, Up};
 
@@ -215,6 +228,25 @@ pub(super) const TABLE: &[(&str, &[Row])] = &[
                 &[
                     (Char('c'), Next(Cycle::Shade, 1)),
                     (Shift('c'), Next(Cycle::Shade, -1)),
+                ],
+            ),
+            row(
+                "W G P X",
+                "lines: tessellation, cage, patches, axes",
+                &[
+                    (Char('w'), Overlay("wireframe")),
+                    (Char('g'), Overlay("cage")),
+                    (Char('p'), Overlay("patches")),
+                    (Char('x'), Overlay("axes")),
+                ],
+            ),
+            row(
+                "E K M",
+                "lines: creases, boundaries, valences",
+                &[
+                    (Char('e'), Overlay("creases")),
+                    (Char('k'), Overlay("boundaries")),
+                    (Char('m'), Overlay("valences")),
                 ],
             ),
             row("B", "dark or light window", &[(Char('b'), Backdrop)]),

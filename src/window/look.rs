@@ -64,10 +64,25 @@ impl Look {
                 let value = if refined { "limit" } else { "refined" };
                 self.set_cycle(Cycle::Surface, value);
             }
+            Action::Overlay(layer) => self.toggle_overlay(layer),
             Action::Light(by) => self.turn_light(f64::from(by)),
             _ => return false,
         }
         true
+    }
+
+    /// Adds lines to those over the picture, or takes them away.
+    fn toggle_overlay(&mut self, layer: &str) {
+        let now = self.flags.text("overlay").unwrap_or_default();
+        let mut layers: Vec<&str> = now.split(',').filter(|l| !l.is_empty()).collect();
+        match layers.iter().position(|l| *l == layer) {
+            Some(k) => {
+                layers.remove(k);
+            }
+            None => layers.push(layer),
+        }
+        let layers = layers.join(",");
+        self.flags.set_unless("overlay", &layers, "");
     }
 
     /// Turns the lights by so many degrees.
@@ -190,12 +205,21 @@ mod tests {
     }
 
     #[test]
+    fn lines_are_added_and_taken_away() {
+        let [cage, axes] = ["cage", "axes"].map(Action::Overlay);
+        assert_eq!(after(&[], &[cage]), "--overlay cage");
+        assert_eq!(after(&[], &[cage, axes]), "--overlay cage,axes");
+        assert_eq!(after(&[], &[cage, axes, cage]), "--overlay axes");
+        assert_eq!(after(&[("overlay", "cage")], &[cage]), "");
+    }
+
+    #[test]
     fn values_go_round() {
         use Action::{LimitOrRefined, Next};
         let shade = Next(Cycle::Shade, 1);
         assert_eq!(after(&[], &[shade]), "--shade flat");
-        assert_eq!(after(&[], &[shade; 6]), "");
-        assert_eq!(after(&[], &[Next(Cycle::Shade, -1)]), "--shade level");
+        assert_eq!(after(&[], &[shade; 7]), "");
+        assert_eq!(after(&[], &[Next(Cycle::Shade, -1)]), "--shade wireframe");
         assert_eq!(after(&[], &[LimitOrRefined]), "--surface refined");
         assert_eq!(after(&[], &[LimitOrRefined, LimitOrRefined]), "");
         let scheme = Next(Cycle::Scheme, 1);

@@ -29,6 +29,8 @@
 //! | Surface | `V` | limit, refined, cage, qas, pn |
 //! | Surface | `N` | next scheme |
 //! | Picture | `C` | next shading |
+//! | Picture | `W G P X` | lines: tessellation, cage, patches, axes |
+//! | Picture | `E K M` | lines: creases, boundaries, valences |
 //! | Picture | `B` | dark or light window |
 //! | Picture | `S  F12` | save the picture |
 //! | Picture | `?` | print its command line |
