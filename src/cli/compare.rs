@@ -111,6 +111,10 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
             "compare has no --stats; --json says what was found",
         ));
     }
+    // The first pictures of all are accepted into a folder that is not there yet.
+    if a.compare.accept && a.new.is_dir() && !a.golden.exists() {
+        files::make_folder(&a.golden)?;
+    }
     let folder = |path: &Path| path.is_dir();
     match (folder(&a.golden), folder(&a.new)) {
         (false, false) => pictures(job, a),

@@ -254,6 +254,11 @@ fn folders_are_held_against_each_other() {
     assert_eq!(code(&out), 0, "{}", stdout(&out));
     assert!(stdout(&out).contains("accepted: dead.png (removed)"));
     assert_eq!(code(&compare(&goldens, &new, &[])), 0);
+    // The first of all, where there is no folder yet.
+    let first = folder.path("first/of/all");
+    assert_eq!(code(&compare(&first, &new, &[])), 2);
+    assert_eq!(code(&compare(&first, &new, &["--accept"])), 0);
+    assert_eq!(code(&compare(&first, &new, &[])), 0);
     let temporary = |f: &fs::DirEntry| f.file_name().to_string_lossy().starts_with('.');
     assert!(
         !fs::read_dir(&goldens)
