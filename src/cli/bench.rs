@@ -105,6 +105,11 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         None => None,
     };
     check_picture(&a.picture, &job.limits(), 8)?;
+    if a.picture.line_work().is_some() {
+        return Err(Failure::usage(
+            "bench draws no lines: leave --overlay and --shade wireframe to render",
+        ));
+    }
     if a.suite == Suite::Paper && !models.is_empty() {
         return Err(Failure::usage("bench paper makes its own models"));
     }
