@@ -939,9 +939,16 @@ fn line_work_is_written_as_pixels_and_as_svg() {
     assert!(assert_clean(&shaded).contains("--shade wireframe"));
     assert_eq!(code(&render("x.png", &["--overlay", "wires"])), 2);
     assert!(!folder.names().iter().any(|n| n.starts_with("x.")));
+    let model = asset("cube.obj");
+    let bench = run(&[
+        "bench",
+        "frame",
+        model.to_str().unwrap(),
+        "--overlay",
+        "cage",
+    ]);
+    assert_eq!(code(&bench), 2);
     // Finer than lines can be.
-    let deep = render("deep.png", &["-l", "10", "--shade", "wireframe", "-v"]);
-    assert_eq!(code(&deep), 2, "-l twice");
     let mut command = earmark();
     command.args([
         "render",

@@ -210,14 +210,14 @@ fn valences_are_those_of_the_cage() {
             inner[0].at
         );
     }
-    // Of a cube all corners but the far one; triangles are ordinary with six.
+    // Of a cube, which is a ball by now, the corners on this side; triangles are ordinary with six.
     let cube = trace(
         &renderer(256, 2),
         &asset("cube"),
         &Camera::default(),
         Layers::VALENCES,
     );
-    assert_eq!(cube.marks.len(), 7);
+    assert_eq!(cube.marks.len(), 4);
     let octahedron = asset("octahedron").objects[0].surface.cage().clone();
     let options = SurfaceOptions {
         scheme: Some(Scheme::Loop),

@@ -125,6 +125,12 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     if let Some(suite) = modelless.filter(|_| !models.is_empty()) {
         return Err(Failure::usage(format!("bench {suite} takes no model")));
     }
+    // Processes of their own draw what they are asked.
+    if a.picture.line_work().is_some() && a.suite != Suite::Cold {
+        return Err(Failure::usage(
+            "bench draws no lines: leave --overlay and --shade wireframe to render",
+        ));
+    }
     if a.page.is_some() && a.suite != Suite::Scale {
         return Err(Failure::usage("--page belongs to bench scale"));
     }

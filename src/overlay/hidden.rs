@@ -66,31 +66,27 @@ struct Cells {
 }
 
 impl Cells {
-    /// Sorts items into the cells of their ranges.
-    fn new(count: usize, cols: usize, ranges: &[[[usize; 2]; 2]]) -> Self {
-        let mut starts = vec![0_u32; count + 1];
-        let each = |r: &[[usize; 2]; 2], visit: &mut dyn FnMut(usize)| {
-            for y in r[0][1]..=r[1][1] {
-                for x in r[0][0]..=r[1][0] {
-                    visit(y * cols + x);
-                }
-            }
-        };
-        for r in ranges {
-            each(r, &mut |c| starts[c + 1] += 1);
+    /// Sorts numbers below `items` into cells; `each` says which cells one is in.
+    fn new(cells: usize, items: usize, each: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
+        let mut starts = vec![0_u32; cells + 1];
+        for k in 0..items {
+            each(k, &mut |c| starts[c + 1] += 1);
         }
-        for c in 0..count {
+        for c in 0..cells {
             starts[c + 1] += starts[c];
         }
         let mut next = starts.clone();
-        let mut items = vec![0; starts[count] as usize];
-        for (k, r) in ranges.iter().enumerate() {
-            each(r, &mut |c| {
-                items[next[c] as usize] = k as u32;
+        let mut found = vec![0; starts[cells] as usize];
+        for k in 0..items {
+            each(k, &mut |c| {
+                found[next[c] as usize] = k as u32;
                 next[c] += 1;
             });
         }
-        Self { starts, items }
+        Self {
+            starts,
+            items: found,
+        }
     }
 
     fn of(&self, cell: usize) -> &[u32] {
@@ -120,24 +116,53 @@ impl Visibility {
         for (segment, lift) in lines {
             out.lines.extend(out.clip(segment, lift));
         }
-        let per_line = width * height / out.lines.len().max(1) as f64;
-        out.cell = (per_line * PER_CELL).sqrt().clamp(2.0, 64.0);
-        let cells = [width, height].map(|s| (s / out.cell).ceil().max(1.0) as usize);
-        out.cells = cells;
-        let count = cells[0] * cells[1];
-        let ranges: Vec<_> = out
-            .lines
-            .iter()
-            .map(|l| out.cell_range(l.low, l.high))
-            .collect();
-        out.line_cells = Cells::new(count, cells[0], &ranges);
-        let ranges: Vec<_> = out
-            .points
-            .iter()
-            .map(|p| out.cell_range([p.at[0], p.at[1]], [p.at[0], p.at[1]]))
-            .collect();
-        out.point_cells = Cells::new(count, cells[0], &ranges);
+        out.sort_into_cells();
         out
+    }
+
+    fn sort_into_cells(&mut self) {
+        let [width, height] = self.size;
+        let count = self.lines.len().max(1) as f64;
+        let extent = |l: &Line| (l.high[0] - l.low[0]) + (l.high[1] - l.low[1]);
+        let extents: f64 = self.lines.iter().map(extent).sum();
+        let usual = (width * height / count * PER_CELL).sqrt().clamp(2.0, 64.0);
+        // Long lines are in many cells: no more, all in all, than a few for each line.
+        self.cell = usual.max(extents / (8.0 * count + 65536.0));
+        self.cells = [width, height].map(|s| (s / self.cell).ceil().max(1.0) as usize);
+        let cells = self.cells[0] * self.cells[1];
+        self.line_cells = Cells::new(cells, self.lines.len(), |k, visit| {
+            self.cells_of(&self.lines[k], visit);
+        });
+        self.point_cells = Cells::new(cells, self.points.len(), |k, visit| {
+            let [x, y, _] = self.points[k].at;
+            let [[x, y], _] = self.cell_range([x, y], [x, y]);
+            visit(y * self.cells[0] + x);
+        });
+    }
+
+    /// The cells that a line goes through, row by row.
+    fn cells_of(&self, line: &Line, visit: &mut dyn FnMut(usize)) {
+        /// More than rounding, in pixels.
+        const SLACK: f64 = 1e-6;
+        let [first, last] = self.cell_range(line.low, line.high);
+        let (a, b) = (line.segment.a, line.segment.b);
+        for y in first[1]..=last[1] {
+            let (mut from, mut to) = (line.from, line.to);
+            if first[1] < last[1] {
+                let top = self.origin[1] + y as f64 * self.cell - SLACK;
+                let bottom = top + self.cell + 2.0 * SLACK;
+                let [t0, t1] = [top, bottom].map(|v| (v - a[1]) / (b[1] - a[1]));
+                from = from.max(t0.min(t1));
+                to = to.min(t0.max(t1));
+            }
+            let [x0, x1] = [from, to].map(|t| a[0] + (b[0] - a[0]) * t);
+            let low = [x0.min(x1) - SLACK, line.low[1]];
+            let high = [x0.max(x1) + SLACK, line.high[1]];
+            let [low, high] = self.cell_range(low, high);
+            for x in low[0]..=high[0] {
+                visit(y * self.cells[0] + x);
+            }
+        }
     }
 
     /// The part of a line that is in the tile. Lines that run along the border between two tiles belong to the second.
@@ -189,8 +214,10 @@ impl Visibility {
 
     /// Bytes held, about.
     pub(super) fn bytes(&self) -> u128 {
-        let lines = self.lines.len() * (size_of::<Line>() + 32);
-        (lines + self.points.len() * size_of::<Point>() + self.line_cells.items.len() * 4) as u128
+        let hidden: usize = self.lines.iter().map(|l| l.hidden.capacity()).sum();
+        let cells = self.line_cells.items.len() + self.point_cells.items.len();
+        let kept = self.lines.len() * size_of::<Line>() + self.points.len() * size_of::<Point>();
+        (kept + cells * 4 + hidden * size_of::<[f64; 2]>()) as u128
     }
 
     /// Whether there is nothing to hide.

@@ -1,4 +1,5 @@
 //! What of micro-edges is seen, found by rays through all triangles: slow, in model space, and sharing nothing with the module.
+#![allow(unreachable_pub)]
 
 use earmark::Surface;
 use earmark::camera::View;
