@@ -55,7 +55,12 @@ impl App {
             && now > l.task.begun + PATIENCE
         {
             let content = figures::loading(&l.task, now);
-            loading.show(&mut self.window, &content, Place::Middle, theme, scale);
+            // Beside the model that is shown meanwhile.
+            let place = match self.shown {
+                Some(_) => Place::BottomMiddle,
+                None => Place::Middle,
+            };
+            loading.show(&mut self.window, &content, place, theme, scale);
         } else if let Some(d) = &self.drawing
             && now > d.begun + LONG
         {
