@@ -332,7 +332,7 @@ mod tests {
             let mut found = std::collections::BTreeMap::new();
             for rank in 0..5 {
                 for f in visible.of_rank(rank) {
-                    assert_eq!(SampleId(f.id).rank() as usize, rank);
+                    assert_eq!(SampleId(f.id()).rank() as usize, rank);
                     assert!(found.insert((f.x(), f.y()), *f).is_none());
                 }
             }
@@ -342,7 +342,7 @@ mod tests {
                 let f = found.get(&(x, y));
                 assert_eq!(f.map(|f| f.sample()), want.copied());
                 if let Some(f) = f {
-                    assert_eq!(tile.cell(x, y, f.sample()).id(), Some(SampleId(f.id)));
+                    assert_eq!(tile.cell(x, y, f.sample()).id(), Some(SampleId(f.id())));
                     assert_eq!(f.count() as usize, order.iter().filter(shows).count());
                 }
             }
