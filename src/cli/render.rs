@@ -205,7 +205,7 @@ pub(crate) fn draw_scene(
     renderer.measure = job.measure || super::messages::is_verbose();
     renderer.limits = job.limits();
     if job.uniform {
-        renderer.refinement = renderer.refinement.without_flatness();
+        renderer.refinement = renderer.refinement.without_flatness(scene, renderer.size);
     }
     if let Some(kept) = &mut job.kept {
         renderer.take_buffers(kept);
