@@ -48,6 +48,7 @@ pub(crate) struct Job {
     /// Whether frames are timed stage by stage.
     pub(crate) measure: bool,
     /// Whether adaptive tessellation gives way to levels by the length of edges.
+    #[cfg(feature = "window")]
     pub(crate) uniform: bool,
     /// What standard input held, where it was read before.
     pub(crate) stdin: Option<Arc<[u8]>>,
@@ -76,6 +77,7 @@ impl Job {
             cancelled: Arc::default(),
             progress: Arc::default(),
             measure: running.stats.is_some(),
+            #[cfg(feature = "window")]
             uniform: false,
             stdin: None,
             #[cfg(feature = "window")]

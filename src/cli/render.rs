@@ -260,9 +260,6 @@ pub(crate) fn renderer(job: &Job, a: &Arguments) -> Renderer {
     renderer.aovs = a.aov.iter().map(|f| f.aov).collect();
     renderer.measure = job.measure || super::messages::is_verbose();
     renderer.limits = job.limits();
-    if job.uniform {
-        renderer.refinement = renderer.refinement.without_flatness();
-    }
     renderer
 }
 
@@ -345,6 +342,9 @@ pub(crate) fn draw_scene(
     sphere: Option<&Sphere>,
 ) -> Result<Finished, Failure> {
     let mut renderer = renderer(job, a);
+    if job.uniform {
+        renderer.refinement = renderer.refinement.without_flatness(scene, renderer.size);
+    }
     if let Some(kept) = &mut job.kept {
         renderer.take_buffers(kept);
     }

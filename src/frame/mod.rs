@@ -74,12 +74,19 @@ pub enum Refinement {
 }
 
 impl Refinement {
-    /// The same, with levels by the length of edges in place of adaptive tessellation: for pictures that are seen for a moment.
+    /// The same without adaptive tessellation, for pictures of `size` that are seen for a moment: levels by the length of edges, or where a
+    /// scene has more faces than are told apart, level 1 without looking at them.
     #[must_use]
-    pub fn without_flatness(self) -> Self {
+    pub fn without_flatness(self, scene: &Scene, size: ScreenSize) -> Self {
+        /// Pixels per face below which its edges are not looked at: most are short enough, and there are many.
+        const SMALL: u64 = 16;
+        let pixels = u64::from(size.width) * u64::from(size.height);
         match self {
             Self::Adaptive(Flatness { max_level, .. }) | Self::Default { max_level } => {
-                Self::ByEdgeLength { max_level }
+                match scene.face_count() as u64 * SMALL > pixels {
+                    true => Self::Uniform(max_level.min(1)),
+                    false => Self::ByEdgeLength { max_level },
+                }
             }
             other => other,
         }

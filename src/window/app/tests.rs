@@ -177,12 +177,14 @@ fn drags_are_drawn_and_end_in_a_full_picture() {
 fn a_movement_cancels_what_would_come_too_late() {
     let (fake, mut app) = open();
     until(&mut app, rests);
-    fake.slow.store(30, Ordering::Relaxed);
+    fake.slow.store(100, Ordering::Relaxed);
     press(&mut app, Press::Char('o'));
     until(&mut app, rests);
     fake.slow.store(5_000, Ordering::Relaxed);
     press(&mut app, Press::Char('o'));
-    until(&mut app, |a| a.drawing.is_some());
+    until(&mut app, |a| {
+        a.drawing.as_ref().is_some_and(|d| d.step == 0)
+    });
     point(&mut app, 100.0, 100.0, false);
     point(&mut app, 130.0, 100.0, true);
     let begin = Instant::now();
