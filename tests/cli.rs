@@ -935,3 +935,18 @@ fn the_papers_bring_their_own_models() {
     let out = run(&["bench", "paper", "cube.obj"]);
     assert_eq!(code(&out), 2);
 }
+
+#[cfg(not(feature = "gpu"))]
+#[test]
+fn a_gpu_is_not_there_without_its_feature() {
+    let folder = Folder::new("no_gpu");
+    let out = folder.path("a.png");
+    let model = asset("cube.obj");
+    let mut command = earmark();
+    command.arg("render").arg(&model).arg("-o").arg(&out);
+    let drawn = command.args(["--backend", "gpu"]).output().unwrap();
+    assert_eq!(code(&drawn), 6, "{}", stderr(&drawn));
+    assert!(stderr(&drawn).contains("there is: cpu"));
+    assert!(!out.exists());
+    assert_eq!(code(&run(&["info", "--gpu"])), 6);
+}

@@ -357,6 +357,11 @@ impl<'a> GpuScene<'a> {
     /// # Errors
     /// [`GpuError`] of the device.
     pub fn draw_view(&mut self, view: &View) -> Result<GpuFrame, GpuError> {
+        if view.size != self.size {
+            return Err(GpuError::Unsupported {
+                what: "views of another size than the scene was made for",
+            });
+        }
         let begin = Instant::now();
         let mut stats = self.stats.clone();
         let queue = self.gpu.queue();
