@@ -973,3 +973,18 @@ fn line_work_is_written_as_pixels_and_as_svg() {
         stderr(&out)
     );
 }
+
+#[cfg(not(feature = "gpu"))]
+#[test]
+fn a_gpu_is_not_there_without_its_feature() {
+    let folder = Folder::new("no_gpu");
+    let out = folder.path("a.png");
+    let model = asset("cube.obj");
+    let mut command = earmark();
+    command.arg("render").arg(&model).arg("-o").arg(&out);
+    let drawn = command.args(["--backend", "gpu"]).output().unwrap();
+    assert_eq!(code(&drawn), 6, "{}", stderr(&drawn));
+    assert!(stderr(&drawn).contains("there is: cpu"));
+    assert!(!out.exists());
+    assert_eq!(code(&run(&["info", "--gpu"])), 6);
+}

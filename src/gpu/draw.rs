@@ -1,24 +1,26 @@
 //! A scene on a device, and its pictures.
 
-use super::chunk::{ChunkData, Dicer, NamedBlock, chunks};
+use super::chunk::{ChunkData, chunks};
 use super::device::Gpu;
+use super::dicer::Dicer;
 use super::error::GpuError;
 use super::pipelines::Pipelines;
 use super::plan::{ObjectPlan, plan};
+use super::read_back::{ReadBlock, read, read_floats};
 use super::records::{Chunk, Frame, Material, POINT_FLOATS, Record, words};
 use super::timer::Timer;
+use super::upload::{DeviceChunk, device_chunk, point_words, textures, uniform};
+use super::view::{Drawn, frame_record};
 use crate::camera::{Camera, View};
-use crate::film::{Encoding, Film, Image};
+use crate::film::{Film, Image};
 use crate::frame::{Renderer, Scene};
-use crate::raster::sample_positions;
-use crate::records::ScreenSize;
-use crate::shade::{LightRig, ShadeMode, Shader, SurfaceMaterial};
+use crate::shade::{ShadeMode, SurfaceMaterial};
 use crate::topology::NONE;
 use std::time::{Duration, Instant};
 use wgpu::BufferUsages as Usage;
 
 /// Workgroups along x of a dispatch; more go into further rows.
-const ACROSS: u32 = 32768;
+pub(super) const ACROSS: u32 = 32768;
 /// Workgroups that share the list of large quads.
 const LARGE_GROUPS: u32 = 1024;
 /// Invocations of a workgroup.
@@ -64,29 +66,6 @@ pub struct GpuFrame {
     pub view: View,
 }
 
-struct DeviceChunk {
-    data: ChunkCounts,
-    points: wgpu::Buffer,
-    large: wgpu::Buffer,
-    uvs: wgpu::Buffer,
-    colors: wgpu::Buffer,
-    sides: wgpu::BindGroup,
-    inside: wgpu::BindGroup,
-    /// Which blocks there are.
-    named: Vec<NamedBlock>,
-    blocks: wgpu::Buffer,
-    faces: wgpu::Buffer,
-    /// For the first and, with keys in two passes, the second pass.
-    phases: Vec<wgpu::Buffer>,
-}
-
-#[derive(Clone, Copy)]
-struct ChunkCounts {
-    blocks: u32,
-    spots: u32,
-    points: u32,
-}
-
 struct Band {
     rows: [u32; 2],
     frame: wgpu::Buffer,
@@ -102,11 +81,8 @@ struct Band {
 pub struct GpuScene<'a> {
     gpu: &'a Gpu,
     pipelines: &'a Pipelines,
-    size: ScreenSize,
-    mode: ShadeMode,
-    background: [u8; 4],
+    drawn: Drawn,
     view: View,
-    id_bits: u32,
     control: wgpu::Buffer,
     control_points: Vec<[f32; 3]>,
     moved: bool,
@@ -292,11 +268,13 @@ impl<'a> GpuScene<'a> {
         gpu.check()?;
         Ok(Self {
             gpu,
-            size,
-            mode: renderer.mode,
-            background: renderer.background,
+            drawn: Drawn {
+                size,
+                mode: renderer.mode,
+                background: renderer.background,
+                id_bits,
+            },
             view,
-            id_bits,
             control,
             control_points,
             moved: true,
@@ -357,6 +335,11 @@ impl<'a> GpuScene<'a> {
     /// # Errors
     /// [`GpuError`] of the device.
     pub fn draw_view(&mut self, view: &View) -> Result<GpuFrame, GpuError> {
+        if view.size != self.drawn.size {
+            return Err(GpuError::Unsupported {
+                what: "views of another size than the scene was made for",
+            });
+        }
         let begin = Instant::now();
         let mut stats = self.stats.clone();
         let queue = self.gpu.queue();
@@ -372,7 +355,7 @@ impl<'a> GpuScene<'a> {
             self.diced = false;
         }
         for band in &self.bands {
-            let frame = frame_record(self, view, band.rows);
+            let frame = frame_record(&self.drawn, view, band.rows);
             let words = words(&[frame]);
             queue.write_buffer(&band.frame, 0, bytemuck::cast_slice(&words));
             stats.bytes_up += 4 * words.len() as u64;
@@ -386,7 +369,8 @@ impl<'a> GpuScene<'a> {
         }
         encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, 0, self.staging.size());
         stats.read_backs += 1;
-        stats.bytes_down += 4 * u64::from(self.size.width) * u64::from(self.size.height);
+        stats.bytes_down +=
+            4 * u64::from(self.drawn.size.width) * u64::from(self.drawn.size.height);
         if let Some(timer) = &self.timer {
             timer.resolve(&mut encoder);
         }
@@ -396,10 +380,10 @@ impl<'a> GpuScene<'a> {
         if let Some(timer) = &self.timer {
             stats.stages = TIMED.into_iter().zip(timer.read_all(self.gpu)?).collect();
         }
-        let mut image = Image::new(self.size.width, self.size.height);
+        let mut image = Image::new(self.drawn.size.width, self.drawn.size.height);
         let length = image.data.len();
         image.data.copy_from_slice(&bytes[..length]);
-        let empty = Film::new(self.mode.encoding(), self.background).empty();
+        let empty = Film::new(self.drawn.mode.encoding(), self.drawn.background).empty();
         stats.pixels_covered = image.data.chunks_exact(4).filter(|p| **p != empty).count() as u64;
         Ok(GpuFrame {
             image,
@@ -451,7 +435,7 @@ impl<'a> GpuScene<'a> {
             }
         }
         drop(pass);
-        let pixels = self.size.width * (band.rows[1] - band.rows[0]);
+        let pixels = self.drawn.size.width * (band.rows[1] - band.rows[0]);
         let groups = pixels.div_ceil(GROUP);
         let mut pass = self.pass(encoder, 2);
         for bindings in &band.shade {
@@ -488,36 +472,6 @@ impl<'a> GpuScene<'a> {
     }
 }
 
-/// A block as it stands on the device, for tests.
-#[doc(hidden)]
-#[derive(Clone, Debug)]
-pub struct ReadBlock {
-    /// Its quad, of its object.
-    pub quad: u32,
-    /// Its first point, on the grid of its level.
-    pub start: [u32; 2],
-    /// Points along a side.
-    pub side: usize,
-    /// Position and normal of every point, row by row.
-    pub points: Vec<[f32; POINT_FLOATS as usize]>,
-}
-
-/// All textures in one buffer, and where each begins.
-fn textures(gpu: &Gpu, scene: &Scene) -> Result<(wgpu::Buffer, Vec<u32>), GpuError> {
-    let bytes: u64 = scene.textures.iter().map(|t| 2048 + t.bytes() as u64).sum();
-    if bytes > gpu.max_binding {
-        return Err(GpuError::OutOfMemory {
-            what: "the textures in one buffer",
-        });
-    }
-    let (mut words, mut places) = (Vec::new(), Vec::new());
-    for texture in &scene.textures {
-        places.push(words.len() as u32);
-        words.extend(texture.words(words.len() as u32));
-    }
-    Ok((gpu.filled("textures", &words)?, places))
-}
-
 /// Bits of rows and columns in ids.
 fn id_bits(plans: &[ObjectPlan]) -> Result<u32, GpuError> {
     let all = || plans.iter().flat_map(|p| &p.blocks);
@@ -529,206 +483,4 @@ fn id_bits(plans: &[ObjectPlan]) -> Result<u32, GpuError> {
         });
     }
     Ok(bits)
-}
-
-fn point_words(points: &[[f32; 3]]) -> Vec<u32> {
-    points.iter().flatten().map(|c| c.to_bits()).collect()
-}
-
-fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
-    let mut words = Vec::new();
-    record.put(&mut words);
-    let usage = Usage::UNIFORM | Usage::COPY_DST;
-    let buffer = gpu.empty("numbers of a chunk", R::SIZE as u64, usage)?;
-    gpu.queue()
-        .write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
-    Ok(buffer)
-}
-
-fn device_chunk(
-    gpu: &Gpu,
-    pipelines: &Pipelines,
-    control: &wgpu::Buffer,
-    data: &ChunkData,
-    phases: usize,
-    scene_bytes: &mut u64,
-) -> Result<DeviceChunk, GpuError> {
-    let floats: &[u32] = bytemuck::cast_slice(&data.weights);
-    let gathers = gpu.filled("lists of control points", &data.gathers)?;
-    let weights = gpu.filled("tables of weights", floats)?;
-    let stencils = gpu.filled("stencils", &words(&data.stencils))?;
-    let spots = gpu.filled("points of sides", &words(&data.spots))?;
-    let faces = gpu.filled("faces", &words(&data.faces))?;
-    let blocks = gpu.filled("blocks", &data.block_words())?;
-    let moves = gpu.filled("moved points", &words(&data.moves))?;
-    let bytes = 4 * u64::from(POINT_FLOATS) * u64::from(data.points());
-    let points = gpu.empty("diced points", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
-    let large = 4 + 4 * u64::from(data.quads);
-    let large = gpu.empty("large quads", large, Usage::STORAGE | Usage::COPY_DST)?;
-    let phases = (0..phases)
-        .map(|phase| uniform(gpu, &data.record(phase as u32, ACROSS)))
-        .collect::<Result<Vec<_>, _>>()?;
-    let shared = [
-        (0, &phases[0]),
-        (1, control),
-        (2, &gathers),
-        (3, &weights),
-        (4, &stencils),
-        (9, &points),
-    ];
-    let side_bindings = [&shared[..], &[(5, &spots)]].concat();
-    let has_uvs = data.faces.iter().any(|f| f.uv_count > 0);
-    let uv_bytes = if has_uvs {
-        8 * u64::from(data.points())
-    } else {
-        16
-    };
-    let uvs = gpu.empty("texture coordinates", uv_bytes, Usage::STORAGE)?;
-    let has_colors = data.faces.iter().any(|f| f.colors > 0);
-    let color_bytes = if has_colors {
-        12 * u64::from(data.points())
-    } else {
-        16
-    };
-    let colors = gpu.empty("colours", color_bytes, Usage::STORAGE)?;
-    let own = [
-        (6, &faces),
-        (7, &blocks),
-        (8, &moves),
-        (10, &uvs),
-        (11, &colors),
-    ];
-    let inside_bindings = [&shared[..], &own].concat();
-    let all = [
-        &gathers, &weights, &stencils, &spots, &faces, &blocks, &moves, &points, &large, &uvs,
-        &colors,
-    ];
-    *scene_bytes += all.iter().map(|b| b.size()).sum::<u64>();
-    Ok(DeviceChunk {
-        data: ChunkCounts {
-            blocks: data.blocks.len() as u32,
-            spots: data.spots.len() as u32,
-            points: data.points(),
-        },
-        sides: pipelines.sides.bind(gpu, &side_bindings),
-        inside: pipelines.inside.bind(gpu, &inside_bindings),
-        named: data.named.clone(),
-        points,
-        large,
-        uvs,
-        colors,
-        blocks,
-        faces,
-        phases,
-    })
-}
-
-/// Waits for a buffer that can be mapped and returns what is in it.
-pub(super) fn read(gpu: &Gpu, staging: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
-    let lost = || GpuError::Device {
-        reason: "the picture cannot be read back".to_owned(),
-    };
-    let (told, mapped) = std::sync::mpsc::channel();
-    staging.map_async(wgpu::MapMode::Read, .., move |result| {
-        // Whoever waited may be gone.
-        let _ = told.send(result.is_ok());
-    });
-    gpu.wait()?;
-    if mapped.recv() != Ok(true) {
-        gpu.check()?;
-        return Err(lost());
-    }
-    let bytes = staging.get_mapped_range(..).map_err(|_| lost())?.to_vec();
-    staging.unmap();
-    Ok(bytes)
-}
-
-/// Reads floats of a buffer back, for tests.
-pub(super) fn read_floats(
-    gpu: &Gpu,
-    buffer: &wgpu::Buffer,
-    bytes: u64,
-) -> Result<Vec<f32>, GpuError> {
-    let staging = gpu.empty("test", bytes, Usage::COPY_DST | Usage::MAP_READ)?;
-    let mut encoder = gpu
-        .device()
-        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
-    gpu.queue().submit([encoder.finish()]);
-    let found = read(gpu, &staging)?;
-    // Buffers are a little longer.
-    let floats = found[..bytes as usize].as_chunks::<4>().0.iter();
-    Ok(floats.map(|b| f32::from_le_bytes(*b)).collect())
-}
-
-/// Sample positions, two by two.
-fn offsets(samples: u32) -> [[i32; 4]; 8] {
-    let mut out = [[0; 4]; 8];
-    for (k, at) in sample_positions(samples).iter().enumerate() {
-        out[k / 2][k % 2 * 2..k % 2 * 2 + 2].copy_from_slice(at);
-    }
-    out
-}
-
-fn frame_record(scene: &GpuScene<'_>, view: &View, rows: [u32; 2]) -> Frame {
-    let four = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-    let p = &view.projection;
-    let shader = Shader::new(scene.mode, view, &[], &[]);
-    let [ray_x, ray_y, ray_0] = shader.rays();
-    let (lights, [wrap, gloss, rise, knee]) = LightRig::new(view).numbers();
-    let [
-        key,
-        fill,
-        rim,
-        key_color,
-        fill_color,
-        rim_color,
-        up,
-        sky,
-        ground,
-    ] = lights;
-    let (f, e) = (view.forward, view.eye);
-    let behind = -((f[0] * e[0] + f[1] * e[1]) + f[2] * e[2]);
-    let film = Film::new(scene.mode.encoding(), scene.background);
-    Frame {
-        x: p.x,
-        y: p.y,
-        w: p.w,
-        d: p.d,
-        ray_x: four(ray_x, 0.0),
-        ray_y: four(ray_y, 0.0),
-        ray_0: four(ray_0, 0.0),
-        eye: four(e, 0.0),
-        back: four(f.map(|c| -c), behind),
-        key_toward: four(key, 0.0),
-        key_color: four(key_color, wrap),
-        fill_toward: four(fill, 0.0),
-        fill_color: four(fill_color, gloss),
-        rim_toward: four(rim, 0.0),
-        rim_color: four(rim_color, rise),
-        up: four(up, 0.0),
-        sky: four(sky, knee),
-        ground: four(ground, 0.0),
-        background: film.background(),
-        offsets: offsets(scene.size.samples),
-        near: p.near,
-        depth_near: view.near,
-        depth_far: view.far,
-        ortho: u32::from(p.ortho),
-        width: scene.size.width,
-        height: scene.size.height,
-        samples: scene.size.samples,
-        mode: match scene.mode {
-            ShadeMode::Lit => 0,
-            ShadeMode::Flat => 1,
-            ShadeMode::Normals => 2,
-            ShadeMode::Uv => 3,
-            ShadeMode::Depth => 4,
-            ShadeMode::Level => 5,
-        },
-        band_start: rows[0],
-        band_end: rows[1],
-        srgb: u32::from(scene.mode.encoding() == Encoding::Srgb),
-        id_bits: scene.id_bits,
-    }
 }

@@ -326,8 +326,8 @@ impl Refiner {
     pub fn read(&self, gpu: &Gpu, level: usize) -> Result<(Vec<f32>, Vec<u32>), GpuError> {
         let level = &self.levels[level];
         let bytes = 12 * u64::from(level.counts.vertices);
-        let points = super::draw::read_floats(gpu, &level.points, bytes)?;
-        let corners = super::draw::read_floats(gpu, &level.halves, 4 * level.counts.halves())?;
+        let points = super::read_back::read_floats(gpu, &level.points, bytes)?;
+        let corners = super::read_back::read_floats(gpu, &level.halves, 4 * level.counts.halves())?;
         Ok((points, corners.iter().map(|c| c.to_bits()).collect()))
     }
 }

@@ -30,6 +30,8 @@ mod chunk;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
+mod dicer;
+#[cfg(feature = "gpu")]
 mod draw;
 #[cfg(feature = "gpu")]
 mod error;
@@ -40,20 +42,26 @@ mod pipelines;
 #[cfg(feature = "gpu")]
 mod plan;
 #[cfg(feature = "gpu")]
+mod read_back;
+#[cfg(feature = "gpu")]
 mod surroundings;
 #[cfg(feature = "gpu")]
 mod tables;
 #[cfg(feature = "gpu")]
 mod timer;
+#[cfg(feature = "gpu")]
+mod upload;
+#[cfg(feature = "gpu")]
+mod view;
 
 #[cfg(feature = "gpu")]
 pub use device::{AdapterKind, AdapterSummary, DeviceOptions, Gpu, adapters};
-#[cfg(feature = "gpu")]
-#[doc(hidden)]
-pub use draw::ReadBlock;
 #[cfg(feature = "gpu")]
 pub use draw::{GpuFrame, GpuScene, GpuStats};
 #[cfg(feature = "gpu")]
 pub use error::GpuError;
 #[cfg(feature = "gpu")]
 pub use levels::Refiner;
+#[cfg(feature = "gpu")]
+#[doc(hidden)]
+pub use read_back::ReadBlock;

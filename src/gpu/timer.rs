@@ -1,8 +1,8 @@
 //! Time on the device: a pair of time stamps per stage.
 
 use super::device::Gpu;
-use super::draw::read;
 use super::error::GpuError;
+use super::read_back::read;
 use std::time::Duration;
 use wgpu::BufferUsages as Usage;
 

@@ -41,6 +41,31 @@ fn compare(gpu: &Gpu, name: &str, scene: &Scene, levels: u32) -> (f64, usize) {
     (far, count)
 }
 
+/// An open cube with edges that are sharp, fading and fading within a step, a dart, and a corner.
+fn creased_cube() -> Scene {
+    let points = (0..8_u8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * f32::from(b) - 1.0));
+    let cage = earmark::Cage::builder()
+        .points(points)
+        .face([0, 2, 3, 1])
+        .face([4, 5, 7, 6])
+        .face([0, 1, 5, 4])
+        .face([2, 6, 7, 3])
+        .face([0, 4, 6, 2])
+        .crease(4, 5, 10.0)
+        .crease(5, 7, 2.5)
+        .crease(7, 6, 2.5)
+        .crease(6, 4, 0.4)
+        .crease(0, 2, 1.3)
+        .corner(6, 1.5)
+        .build()
+        .unwrap();
+    let options = SurfaceOptions {
+        scheme: Some(Scheme::CatmullClark),
+        ..SurfaceOptions::default()
+    };
+    Scene::of(earmark::Surface::new(cage, &options))
+}
+
 #[test]
 fn levels_are_the_processors() {
     let Some(gpu) = gpu("levels") else { return };
@@ -70,6 +95,11 @@ fn levels_are_the_processors() {
         total += count;
         run += 1;
     }
+    let creased = creased_cube();
+    let (far, count) = compare(&gpu, "creased cube", &creased, 5);
+    println!("gpu levels creased cube 5: {far:.1e} of the model, {count} points");
+    assert!(far <= 2e-6, "creased cube: {far}");
+    (most, total, run) = (most.max(far), total + count, run + 1);
     assert!(run >= 4);
     println!("gpu levels: {run} cases, {total} points, off by at most {most:.1e} of the model");
 }

@@ -1,0 +1,142 @@
+//! Buffers of a scene on a device.
+
+use super::chunk::{ChunkData, NamedBlock};
+use super::device::Gpu;
+use super::draw::ACROSS;
+use super::error::GpuError;
+use super::pipelines::Pipelines;
+use super::records::{POINT_FLOATS, Record, words};
+use crate::frame::Scene;
+use wgpu::BufferUsages as Usage;
+
+/// A chunk on the device, ready to be diced.
+pub(super) struct DeviceChunk {
+    pub(super) data: ChunkCounts,
+    pub(super) points: wgpu::Buffer,
+    pub(super) large: wgpu::Buffer,
+    pub(super) uvs: wgpu::Buffer,
+    pub(super) colors: wgpu::Buffer,
+    pub(super) sides: wgpu::BindGroup,
+    pub(super) inside: wgpu::BindGroup,
+    /// Which blocks there are.
+    pub(super) named: Vec<NamedBlock>,
+    pub(super) blocks: wgpu::Buffer,
+    pub(super) faces: wgpu::Buffer,
+    /// For the first and, with keys in two passes, the second pass.
+    pub(super) phases: Vec<wgpu::Buffer>,
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct ChunkCounts {
+    pub(super) blocks: u32,
+    pub(super) spots: u32,
+    pub(super) points: u32,
+}
+
+/// All textures in one buffer, and where each begins.
+pub(super) fn textures(gpu: &Gpu, scene: &Scene) -> Result<(wgpu::Buffer, Vec<u32>), GpuError> {
+    let bytes: u64 = scene.textures.iter().map(|t| 2048 + t.bytes() as u64).sum();
+    if bytes > gpu.max_binding {
+        return Err(GpuError::OutOfMemory {
+            what: "the textures in one buffer",
+        });
+    }
+    let (mut words, mut places) = (Vec::new(), Vec::new());
+    for texture in &scene.textures {
+        places.push(words.len() as u32);
+        words.extend(texture.words(words.len() as u32));
+    }
+    Ok((gpu.filled("textures", &words)?, places))
+}
+
+pub(super) fn point_words(points: &[[f32; 3]]) -> Vec<u32> {
+    points.iter().flatten().map(|c| c.to_bits()).collect()
+}
+
+pub(super) fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
+    let mut words = Vec::new();
+    record.put(&mut words);
+    let usage = Usage::UNIFORM | Usage::COPY_DST;
+    let buffer = gpu.empty("numbers of a chunk", R::SIZE as u64, usage)?;
+    gpu.queue()
+        .write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
+    Ok(buffer)
+}
+
+pub(super) fn device_chunk(
+    gpu: &Gpu,
+    pipelines: &Pipelines,
+    control: &wgpu::Buffer,
+    data: &ChunkData,
+    phases: usize,
+    scene_bytes: &mut u64,
+) -> Result<DeviceChunk, GpuError> {
+    let floats: &[u32] = bytemuck::cast_slice(&data.weights);
+    let gathers = gpu.filled("lists of control points", &data.gathers)?;
+    let weights = gpu.filled("tables of weights", floats)?;
+    let stencils = gpu.filled("stencils", &words(&data.stencils))?;
+    let spots = gpu.filled("points of sides", &words(&data.spots))?;
+    let faces = gpu.filled("faces", &words(&data.faces))?;
+    let blocks = gpu.filled("blocks", &data.block_words())?;
+    let moves = gpu.filled("moved points", &words(&data.moves))?;
+    let bytes = 4 * u64::from(POINT_FLOATS) * u64::from(data.points());
+    let points = gpu.empty("diced points", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
+    let large = 4 + 4 * u64::from(data.quads);
+    let large = gpu.empty("large quads", large, Usage::STORAGE | Usage::COPY_DST)?;
+    let phases = (0..phases)
+        .map(|phase| uniform(gpu, &data.record(phase as u32, ACROSS)))
+        .collect::<Result<Vec<_>, _>>()?;
+    let shared = [
+        (0, &phases[0]),
+        (1, control),
+        (2, &gathers),
+        (3, &weights),
+        (4, &stencils),
+        (9, &points),
+    ];
+    let side_bindings = [&shared[..], &[(5, &spots)]].concat();
+    let has_uvs = data.faces.iter().any(|f| f.uv_count > 0);
+    let uv_bytes = if has_uvs {
+        8 * u64::from(data.points())
+    } else {
+        16
+    };
+    let uvs = gpu.empty("texture coordinates", uv_bytes, Usage::STORAGE)?;
+    let has_colors = data.faces.iter().any(|f| f.colors > 0);
+    let color_bytes = if has_colors {
+        12 * u64::from(data.points())
+    } else {
+        16
+    };
+    let colors = gpu.empty("colours", color_bytes, Usage::STORAGE)?;
+    let own = [
+        (6, &faces),
+        (7, &blocks),
+        (8, &moves),
+        (10, &uvs),
+        (11, &colors),
+    ];
+    let inside_bindings = [&shared[..], &own].concat();
+    let all = [
+        &gathers, &weights, &stencils, &spots, &faces, &blocks, &moves, &points, &large, &uvs,
+        &colors,
+    ];
+    *scene_bytes += all.iter().map(|b| b.size()).sum::<u64>();
+    Ok(DeviceChunk {
+        data: ChunkCounts {
+            blocks: data.blocks.len() as u32,
+            spots: data.spots.len() as u32,
+            points: data.points(),
+        },
+        sides: pipelines.sides.bind(gpu, &side_bindings),
+        inside: pipelines.inside.bind(gpu, &inside_bindings),
+        named: data.named.clone(),
+        points,
+        large,
+        uvs,
+        colors,
+        blocks,
+        faces,
+        phases,
+    })
+}
