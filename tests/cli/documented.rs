@@ -80,7 +80,7 @@ fn commands_of_the_documentation_run() {
 #[test]
 fn flags_of_the_documentation_are_known() {
     let mut known = String::new();
-    for verb in ["render", "refine", "info", "bench"] {
+    for verb in ["render", "refine", "info", "bench", "turntable", "compare"] {
         known += &stdout(&run(&[verb, "--help"]));
     }
     let known =
