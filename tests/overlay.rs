@@ -191,8 +191,8 @@ fn threads_and_vectors_change_nothing() {
     assert!(results.windows(2).all(|r| r[0] == r[1]));
 }
 
-/// What is hidden as a whole is left out before lines are traced. Leaving nothing out comes to the same, also at the borders of tiles, but
-/// for what shows through slits of less than a pixel.
+/// What is hidden as a whole is left out before lines are traced. Leaving nothing out comes to the same, also at the borders of tiles. Of
+/// silhouettes of fine tessellations about a hundredth is left out as well, where they run back and forth within a pixel.
 #[test]
 fn leaving_out_what_is_hidden_takes_no_line_away() {
     for (name, level, azimuth) in [
@@ -202,24 +202,22 @@ fn leaving_out_what_is_hidden_takes_no_line_away() {
     ] {
         let scene = asset(name);
         let camera = Camera::default().with_orbit(azimuth, 25.0);
-        let lengths = [true, false].map(|leave_out| {
-            let mut renderer = renderer(1024, level);
-            renderer.leave_out = leave_out;
-            let art = trace(
-                &renderer,
-                &scene,
-                &camera,
-                Layers::PATCHES | Layers::SILHOUETTES,
+        for (layer, allowed) in [(Layers::PATCHES, 1e-4), (Layers::SILHOUETTES, 0.012)] {
+            let lengths = [true, false].map(|leave_out| {
+                let mut renderer = renderer(1024, level);
+                renderer.leave_out = leave_out;
+                let art = trace(&renderer, &scene, &camera, layer);
+                let all = art.polylines.iter().flat_map(|l| l.points.windows(2));
+                let each = all.map(|p| f64::from(rays::distance(p[0], p[1])));
+                each.sum::<f64>()
+            });
+            let lost = (lengths[0] - lengths[1]).abs();
+            assert!(
+                lost < allowed * lengths[1],
+                "{name} {azimuth}: {lengths:?} pixels of {}",
+                layer.to_names()
             );
-            let all = art.polylines.iter().flat_map(|l| l.points.windows(2));
-            all.map(|p| f64::from(rays::distance(p[0], p[1])))
-                .sum::<f64>()
-        });
-        let lost = (lengths[0] - lengths[1]).abs();
-        assert!(
-            lost < 2e-3 * lengths[1],
-            "{name} {azimuth}: {lengths:?} pixels of lines"
-        );
+        }
     }
 }
 
