@@ -237,7 +237,7 @@ impl Visibility {
         }
         let twice = area(p, q, r);
         // Not a number where a point is infinitely far away.
-        if !(twice.abs() > NO_AREA) {
+        if twice.is_nan() || twice.abs() <= NO_AREA {
             return;
         }
         let (nearest, sign) = (most(2), twice.signum());

@@ -300,10 +300,10 @@ fn scale(
     let (x, y) = (16.0 * unit, layout.size[1] - 16.0 * unit);
     let end = x + (length * pixels) as f32;
     let tick = 4.0 * unit;
-    for points in [vec![[x, y - tick], [x, y], [end, y], [end, y - tick]]] {
-        let kind = Kind::Scale;
-        polylines.push(Polyline { kind, points });
-    }
+    polylines.push(Polyline {
+        kind: Kind::Scale,
+        points: vec![[x, y - tick], [x, y], [end, y], [end, y - tick]],
+    });
     let height = LETTERS * unit;
     let at = [(x + end - text_width(&text, height)) * 0.5, y - 6.0 * unit];
     layout.place(at, height, text);
