@@ -206,6 +206,36 @@ mod tests {
     }
 
     #[test]
+    fn lights_turn_around_the_picture() {
+        let sphere = crate::camera::Sphere {
+            center: [0.0; 3],
+            radius: 1.0,
+        };
+        let size = crate::records::ScreenSize {
+            width: 8,
+            height: 8,
+            samples: 1,
+        };
+        let camera = crate::Camera::default().with_orbit(30.0, 40.0);
+        let view = camera.framing(&sphere, size).unwrap();
+        let sides = |degrees: f64| {
+            let key = LightRig::turned(&view, degrees).key.toward;
+            [view.right, view.up, view.forward.map(|c| -c)].map(|axis| dot(axis, key))
+        };
+        let plain = sides(0.0);
+        assert_eq!(
+            LightRig::new(&view).key.toward,
+            LightRig::turned(&view, 0.0).key.toward
+        );
+        assert!(plain[0] < 0.0 && plain[2] > 0.0, "from the left, in front");
+        let near = |a: [f32; 3], b: [f32; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-5);
+        // A quarter turn takes what comes from the front to the right, and what comes from the left to the front.
+        assert!(near(sides(90.0), [plain[2], plain[1], -plain[0]]));
+        assert!(near(sides(180.0), [-plain[0], plain[1], -plain[2]]));
+        assert!(near(sides(360.0), plain));
+    }
+
+    #[test]
     fn wrapped_light_ends_behind_the_terminator() {
         assert!((wrapped(1.0) - 1.0).abs() < 1e-6);
         assert!(wrapped(0.0) > 0.05);
