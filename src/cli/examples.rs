@@ -4,12 +4,12 @@ pub(crate) const RENDER: &str = "\
 Examples:
   A picture, framed by itself, smooth to half a pixel:
     earmark render creature.obj -o creature.png
-  Seen from another side, larger, on a dark ground:
-    earmark render creature.obj -o side.png -s 1920x1080 --azimuth 90 --elevation 10 --background 202428
+  Seen from another side, on a dark ground:
+    earmark render creature.obj -o side.png --azimuth 90 --background 202428
   What a compositor or a denoiser needs, from the same frame:
-    earmark render creature.obj -o beauty.png --aov depth=depth.png --aov normal=normal.png --aov face=face.png
-  Two models from four sides on one sheet:
-    earmark render creature.obj part.obj -o sheet.png -s 320x320 --views front,side,top,three-quarter
+    earmark render creature.obj -o a.png --aov depth=d.png --aov face=f.png
+  Two models from two sides on one sheet:
+    earmark render creature.obj part.obj -o s.png -s 320x320 --views front,top
   From standard input to standard output:
     earmark render - --format obj -o - < cube.obj > cube.png";
 
@@ -20,7 +20,7 @@ Examples:
   Numbered frames for a video, f_0001.png to f_0024.png:
     earmark turntable creature.obj -o f_####.png -s 320x320 --count 24
   The third quarter of them on another machine:
-    earmark turntable creature.obj -o f_####.png -s 320x320 --count 24 --frames 13-18";
+    earmark turntable creature.obj -o f_####.png --count 24 --frames 13-18";
 
 pub(crate) const REFINE: &str = "\
 Examples:
@@ -39,7 +39,7 @@ Examples:
   Equal, pixel by pixel? The exit code says so:
     earmark compare cube.png cube.png
   Differences as a picture; small ones let pass:
-    earmark compare cube.png cube.png --diff diff.png --max-delta 2 --max-pixels 10
+    earmark compare cube.png cube.png --diff d.png --max-delta 2
   A folder of goldens and a folder of new pictures, with a page to look at:
     earmark compare goldens new --report report.html
   Make the new ones golden:
@@ -47,7 +47,7 @@ Examples:
 
 pub(crate) const BATCH: &str = "\
 Examples:
-  A line per job in jobs.jsonl, as [\"render\", \"cube.obj\", \"-o\", \"a.png\", \"-s\", \"64x64\"]:
+  A line per job in jobs.jsonl, as [\"render\", \"cube.obj\", \"-o\", \"a.png\"]:
     earmark batch jobs.jsonl
   The second third of them, without those that are done:
     earmark batch jobs.jsonl --shard 2/3 --skip-existing";
