@@ -20,7 +20,19 @@
 //!
 //! Every point of a face is a sum of weights times control points, and so are its derivatives: the weights depend on nothing but how the
 //! mesh hangs together around the face. They are taken from the processor's own evaluation ([`evaluate`](crate::evaluate)), by control
-//! points that are unit vectors, once per *shape* of surroundings; so every scheme and rule that it knows is here, with its exactness.
+//! points that are unit vectors, once per *shape* of surroundings; so every scheme and rule that it knows is here, with its exactness. QAS patches
+//! are quadratics through points of level 1.
+//!
+//! # Whole meshes
+//!
+//! `Refiner` makes the levels of a cage on a caller's device, in buffers that the caller draws from: `face`, `edge`, `vertex` and
+//! `connectivity`, all of them gathers.
+//!
+//! # What is refused
+//!
+//! Displacement, curved PN triangles, refinement patterns, control points and cages in place of the limit, opacity, normal and bump maps,
+//! n-gons at level 0, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead. Adaptive blocks are decided on the
+//! processor, for the view that a scene was made for.
 
 pub mod records;
 pub mod wgsl;
