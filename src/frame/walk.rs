@@ -213,14 +213,17 @@ impl Walk<'_> {
             .sum()
     }
 
-    /// Whether all of a box that is in the tile is behind what is drawn there, and a pixel around it as well: samples stand a pixel apart, and
-    /// what is between the last of them and the tile's border is seen by the first beyond alone.
+    /// Whether a box is behind what is drawn in the tile, and a pixel around it as well: samples stand a pixel apart, and a line may be seen
+    /// between them. A box that reaches the tile's border never is: what hides it there, or turns it into a silhouette, is in another tile.
     pub(crate) fn hides(&self, hull: &PixelBox) -> bool {
         let [x, y, width, height] = self.rect();
         let (from, to) = ([x, y], [x + width, y + height]);
+        if (0..2).any(|k| hull.low[k] <= from[k] || hull.high[k] >= to[k]) {
+            return false;
+        }
         let wide = PixelBox {
-            low: [0, 1].map(|k| hull.low[k].max(from[k]).saturating_sub(1)),
-            high: [0, 1].map(|k| hull.high[k].min(to[k]) + 1),
+            low: hull.low.map(|c| c - 1),
+            high: hull.high.map(|c| c + 1),
             nearest: hull.nearest,
         };
         self.frame.leaves_out && self.scratch.tile.hides(self.frame.simd, &wide)
