@@ -77,7 +77,7 @@ enum Verb {
     Batch(batch::Arguments),
     /// Measure on this machine, in process and without output files
     #[command(after_long_help = examples::BENCH)]
-    Bench(bench::Arguments),
+    Bench(Box<bench::Arguments>),
     /// Print a script that completes commands in a shell
     #[command(after_long_help = examples::COMPLETIONS)]
     Completions(texts::Completions),

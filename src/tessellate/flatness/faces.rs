@@ -296,12 +296,12 @@ impl<'a> Worker<'a> {
         self.surplus
             .grid(self.metric, (log, shape), &mut self.points, &self.normals);
         let last = (1 << depth) - 1;
+        let corners = [[0, 0], [last, 0], [last, last], [0, last]].map(|c| c == place);
         let sampled = Sampled {
             log,
             shape,
-            irregular: std::array::from_fn(|c| {
-                self.irregular[c] && [[0, 0], [last, 0], [last, last], [0, last]][c] == place
-            }),
+            corners,
+            irregular: [0, 1, 2, 3].map(|c| corners[c] && self.irregular[c]),
         };
         let cap = self.metric.max_level.saturating_sub(depth);
         let mut levels = std::mem::take(&mut self.levels);

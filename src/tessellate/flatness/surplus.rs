@@ -66,16 +66,18 @@ pub(super) struct Square {
     pub(super) log: u32,
     /// Of a triangle, only what is not above the diagonal counts.
     pub(super) shape: Shape,
-    /// Whether each corner of the square is an irregular one of the face's.
+    /// Whether each corner of the square is one of the face's.
+    pub(super) corners: [bool; 4],
+    /// Whether it is an irregular one.
     pub(super) irregular: [bool; 4],
 }
 
 impl Square {
-    /// Whether cell (`x`, `y`) of the `2^k` by `2^k` is at an irregular corner.
-    fn is_irregular(&self, k: u32, at: [u32; 2]) -> bool {
+    /// Whether cell (`x`, `y`) of the `2^k` by `2^k` is at one of some corners.
+    fn is_at(&self, corners: [bool; 4], k: u32, at: [u32; 2]) -> bool {
         let last = (1 << k) - 1;
         let ends = [[0, 0], [last, 0], [last, last], [0, last]];
-        (0..4).any(|c| self.irregular[c] && ends[c] == at)
+        (0..4).any(|c| corners[c] && ends[c] == at)
     }
 }
 
@@ -273,8 +275,8 @@ impl Surplus {
         let shape = square.shape;
         if k >= self.log {
             // No samples inside: what the cell twice as large leaves. At an irregular vertex, where parameters run unevenly, that is nearly
-            // all of it at a high valence.
-            let left = match square.is_irregular(k, at) {
+            // all of it at a high valence; at any corner of a face there may be a feature that the samples do not know.
+            let left = match square.is_at(square.corners, k, at) {
                 true => 1.0,
                 false => LEFT,
             };
@@ -284,7 +286,7 @@ impl Surplus {
         if own > 1.0 {
             return true;
         }
-        let irregular = square.is_irregular(k, at);
+        let irregular = square.is_at(square.irregular, k, at);
         if k + 1 == self.log {
             // What the next step adds is as much again there.
             return irregular && 2.0 * own > 1.0;
