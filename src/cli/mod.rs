@@ -12,6 +12,7 @@ mod bench_patches;
 mod bench_scale;
 mod compare;
 mod displace;
+mod draw;
 mod examples;
 mod exit;
 mod flags;

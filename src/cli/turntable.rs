@@ -1,10 +1,11 @@
 //! `earmark turntable`: a model that turns, as numbered pictures or as one animated PNG.
 
+use super::draw::{self, Lined};
 use super::exit::Failure;
 use super::flags::PictureFlags;
 use super::job::{Job, Output, Staged, commit_all, model_names, write_failure};
 use super::messages::note;
-use super::render::{self, Lined};
+use super::render;
 use super::stats::{Clock, Json, Time, frame_stages};
 use super::watch::{self, Phase};
 use clap::Args;
@@ -118,7 +119,7 @@ impl Arguments {
 
     /// The camera of a frame.
     fn camera(&self, scene: &Scene, frame: u32) -> Camera {
-        let camera = render::camera(&self.render, scene);
+        let camera = draw::camera(&self.render, scene);
         let turned = f64::from(frame - 1) * 360.0 / f64::from(self.turn.count);
         camera.with_orbit(camera.azimuth + turned, camera.elevation)
     }
@@ -165,7 +166,7 @@ impl Turn<'_> {
         let (renderer, scene) = (&self.renderer, self.scene);
         let picture = self.picture;
         let (drawn, (written, writing)) = rayon::join(
-            || render::lined(renderer, scene, camera, picture),
+            || draw::lined(renderer, scene, camera, picture),
             || timed(write),
         );
         written?;
@@ -204,7 +205,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     render::check_models(&a.render.models)?;
     render::check(&a.render.displace, &a.render.level)?;
     a.check()?;
-    render::check_backend(&a.render.picture, "turntables")?;
+    draw::check_backend(&a.render.picture, "turntables")?;
     let frames = a.frames()?;
     let outputs = a.outputs(&frames)?;
     let r = &a.render;
@@ -216,7 +217,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     render::check_picture(&r.picture, &job.limits(), 18)?;
     let scene = render::scene(job, r, &r.models)?;
     watch::phase(Phase::Turning);
-    let mut renderer = render::renderer(job, r);
+    let mut renderer = draw::renderer(job, r);
     // The frames are counted, not their tiles.
     renderer.limits.progress = Arc::default();
     let progress = job.limits().progress;
@@ -238,7 +239,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         Frames::Animated(output) => vec![animation(&mut turn, a, frames.clone(), &output)?],
     };
     if !turn.shows {
-        render::warn_empty();
+        draw::warn_empty();
     }
     let total = turn.total;
     let seconds = job.start.elapsed().as_secs_f64();

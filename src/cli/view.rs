@@ -5,6 +5,7 @@
 mod studio;
 
 use super::displace::DisplaceFlags;
+use super::draw::check_backend;
 use super::exit::{Code, Failure};
 use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags};
 use super::job::Job;
@@ -57,6 +58,7 @@ pub(crate) fn adapted(command: Command) -> Command {
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     check_models(&a.models)?;
     check(&a.displace, &a.level)?;
+    check_backend(&a.picture, "windows")?;
     if a.running.stats.is_some() {
         return Err(Failure::usage(
             "--stats is about one picture: --stats of `earmark render` writes it",

@@ -1,5 +1,6 @@
 //! `render --views`: one picture of several models, or of one from several sides.
 
+use super::draw;
 use super::exit::Failure;
 use super::job::Job;
 use super::render::{self, Arguments, Drawn};
@@ -74,14 +75,14 @@ pub(crate) fn draw(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
     let mut stats = FrameStats::default();
     for model in &a.models {
         let scene = render::scene(job, a, std::slice::from_ref(model))?;
-        let renderer = render::renderer(job, a);
+        let renderer = draw::renderer(job, a);
         let [mut covered, first] = [0, stats.faces];
         for &view in &a.views {
-            let mut camera = render::camera(a, &scene);
+            let mut camera = draw::camera(a, &scene);
             if let Some([azimuth, elevation]) = view.angles() {
                 camera = camera.with_orbit(azimuth, elevation);
             }
-            let lined = render::draw(job, &renderer, &scene, &camera, &a.picture)?;
+            let lined = draw::draw(job, &renderer, &scene, &camera, &a.picture)?;
             let frame = lined.frame;
             covered += frame.stats.pixels_covered;
             stats.faces = first + frame.stats.faces;
@@ -94,7 +95,7 @@ pub(crate) fn draw(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
         }
         stats.pixels_covered += covered;
         if covered == 0 {
-            render::warn_empty();
+            draw::warn_empty();
         }
     }
     let image = contact_sheet(&pictures, &style(a)).map_err(|e| match e {

@@ -4,7 +4,7 @@ use super::Arguments;
 use crate::cli::exit::Failure;
 use crate::cli::flags::RunningFlags;
 use crate::cli::job::{Job, Output, pool_of, print_text};
-use crate::cli::render;
+use crate::cli::{draw, render};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, FromArgMatches, Parser};
 use earmark::window::{Draft, Drawn, Flags, Loaded, Order, Shown, Start, Studio, Task, shell_line};
@@ -260,7 +260,7 @@ impl Studio for Viewer {
         job.measure = order.measure;
         job.uniform = order.draft.uniform;
         let sphere = order.shown.sphere(&order.flags);
-        let frame = render::draw_scene(job, a, &order.shown.scene, Some(sphere));
+        let frame = draw::draw_scene(job, a, &order.shown.scene, Some(sphere));
         (a.picture, a.level.level) = before;
         let frame = frame.map_err(text)?;
         Ok(Drawn {
@@ -275,7 +275,7 @@ impl Studio for Viewer {
             let mut job = self.job(&Arc::default())?;
             let inputs = render::input_paths(&a.models);
             let output = Output::checked(&a.output, &["png"], &inputs)?;
-            let frame = render::draw_scene(&mut job, &a, &shown.scene, None)?;
+            let frame = draw::draw_scene(&mut job, &a, &shown.scene, None)?;
             output.stage(&film::png::encode(&frame.image)?)?.commit()
         };
         self.pool.install(write).map_err(text)
