@@ -29,8 +29,8 @@ fn meaning(of: &str) -> &'static str {
 /// Powers of ten, or of two for short ranges, that hold `low` to `high`.
 fn ticks(low: f64, high: f64) -> Vec<f64> {
     let base: f64 = if high / low > 100.0 { 10.0 } else { 2.0 };
-    let first = (low.ln() / base.ln() - 1e-9).floor() as i32;
-    let last = (high.ln() / base.ln() + 1e-9).ceil() as i32;
+    let first = (low.ln() / base.ln() + 1e-9).floor() as i32;
+    let last = (high.ln() / base.ln() - 1e-9).ceil() as i32;
     (first..=last).map(|e| base.powi(e)).collect()
 }
 
