@@ -28,5 +28,4 @@ pub(crate) use self::{
     evaluate::{TriangleEvaluator, TriangleRow, leaf},
     fans::{TriangleFans, TriangleMasks},
     patch::{TriangleChannel, TrianglePatch},
-    ring::is_regular,
 };

@@ -74,9 +74,8 @@ struct Work {
     uvs: Box<Grid3>,
     heights: Heights,
     rows: Rows,
-    /// Of the faces that own the sides, and of those that own the corners.
+    /// Of the faces that own the sides.
     others: [[Jets; 2]; 4],
-    owners: [[Jets; 2]; 4],
     /// Of the last block: texture coordinates that the owner of a crease replaced.
     replaced: Vec<([usize; 2], [f32; 3])>,
 }
@@ -91,7 +90,6 @@ impl Default for Work {
             heights: Heights::default(),
             rows: Rows::default(),
             others: Default::default(),
-            owners: Default::default(),
             replaced: Vec::new(),
         }
     }
@@ -139,8 +137,7 @@ impl DisplacedPatch {
         self.triangle = surface.triangles;
         if let Some(work) = &mut self.work {
             work.rows.own.iter_mut().for_each(Jets::forget);
-            let others = work.others.iter_mut().chain(&mut work.owners);
-            others.flatten().for_each(Jets::forget);
+            work.others.iter_mut().flatten().for_each(Jets::forget);
         }
         let Some(on) = self.on.clone() else {
             return false;
@@ -295,15 +292,7 @@ impl DisplacedPatch {
         let n = 1_u32 << part.level;
         let shift = self.level - part.level;
         for c in 0..corners.len() {
-            let (a, b) = (corners[c], corners[(c + 1) % corners.len()]);
-            // What runs along the side is beyond all points but those of the part.
-            let axis = usize::from(a[0] == b[0]);
-            let (low, high) = (part.start[axis], part.start[axis] + part.segments);
-            let (low, high) = match a[axis] < b[axis] {
-                true => (low, high),
-                false => (n - high, n - low),
-            };
-            for k in low.max(1)..=high.min(n - 1) {
+            for k in 1..n {
                 let at = on_side(corners, c, k, n);
                 let inside = |i: usize| {
                     at[i]
@@ -351,13 +340,15 @@ impl DisplacedPatch {
         };
         let mut work = self.work.take().unwrap_or_default();
         work.replaced.clear();
-        work.directions.copy_rows(normals, size);
-        if let Some(uvs) = uvs {
-            work.uvs.copy_rows(uvs, size);
-        }
-        if wants_normals {
-            work.limits.copy_rows(points, size);
-            work.normals.copy_rows(normals, size);
+        for k in size.indices() {
+            work.directions.put(k, normals.at(k));
+            if let Some(uvs) = uvs {
+                work.uvs.put(k, uvs.at(k));
+            }
+            if wants_normals {
+                work.limits.put(k, points.at(k));
+                work.normals.put(k, normals.at(k));
+            }
         }
         self.on_rims(part, |c, k, [i, j]| {
             let rim = &self.rims[c];
@@ -419,7 +410,6 @@ impl DisplacedPatch {
             heights,
             rows,
             others,
-            owners,
             replaced,
         } = work;
         let grids = [&**limits, &**limit_normals, &**uvs];
@@ -476,8 +466,7 @@ impl DisplacedPatch {
         }
         self.on_corners(part, |c, at| {
             if let Some((place, position, normal, height)) = site(at)
-                && let Some(found) =
-                    self.corner_normal(surface, on, (c, &mut owners[c]), (position, normal), height)
+                && let Some(found) = self.corner_normal(surface, on, c, (position, normal), height)
             {
                 normals.put(place, found);
             }
@@ -489,15 +478,16 @@ impl DisplacedPatch {
         &self,
         surface: &Surface,
         on: &Displaced,
-        (c, jets): (usize, &mut [Jets; 2]),
+        c: usize,
         (position, normal): ([f32; 3], [f32; 3]),
         height: f32,
     ) -> Option<[f32; 3]> {
         let corner = &self.corners[c];
         let place = self.place_of(surface, corner.owner, 0);
+        let mut jets = <[Jets; 2]>::default();
         let around = self.around(
             surface,
-            jets,
+            &mut jets,
             place,
             (position, normal, two(corner.owner_uv)),
         )?;
@@ -597,14 +587,8 @@ impl DisplacedPatch {
                     (k == n).then_some(next)
                 };
                 if let Some(corner) = corner {
-                    let jets = &mut work.owners[corner];
-                    let found = self.corner_normal(
-                        surface,
-                        &on,
-                        (corner, jets),
-                        (position, normal),
-                        height,
-                    );
+                    let found =
+                        self.corner_normal(surface, &on, corner, (position, normal), height);
                     normals[k] = found.unwrap_or(normal);
                     continue;
                 }
