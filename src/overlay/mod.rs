@@ -11,8 +11,8 @@
 //! let options = Options::overlay(Layers::PATCHES | Layers::VALENCES);
 //! let art = overlay::trace(&renderer, &scene, &frame.view, &options)?;
 //! art.draw(&mut frame.image);
-//! // Of the eight corners four face the eye.
-//! assert_eq!(art.marks.iter().filter(|m| m.valence == 3).count(), 4);
+//! // Two of the eight corners: from near, less than half of what is nearly a ball is seen.
+//! assert_eq!(art.marks.iter().filter(|m| m.valence == 3).count(), 2);
 //! assert!(art.to_svg(None).starts_with("<svg"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
