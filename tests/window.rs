@@ -246,6 +246,7 @@ fn mouse_and_keys_change_the_picture() {
         "c",
         "c",
         "c",
+        "c",
         "v",
         "bracketright",
         "o",
