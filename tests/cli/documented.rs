@@ -78,6 +78,21 @@ fn commands_of_the_documentation_run() {
 }
 
 #[test]
+fn pictures_and_files_of_the_readme_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("README.md")).unwrap();
+    let targets = text.split("](").skip(1).filter_map(|t| t.split(')').next());
+    let local: Vec<&str> = targets.filter(|t| !t.contains("://")).collect();
+    assert!(local.len() >= 5, "{local:?}");
+    for target in local {
+        assert!(
+            root.join(target).is_file(),
+            "README.md: {target} is missing"
+        );
+    }
+}
+
+#[test]
 fn flags_of_the_documentation_are_known() {
     let mut known = String::new();
     for verb in ["render", "refine", "info", "bench", "turntable", "compare"] {
