@@ -89,6 +89,7 @@ fn without_a_window_the_message_says_what_to_do() {
 #[cfg(not(feature = "gpu"))]
 #[test]
 fn a_gpu_is_not_there_without_its_feature() {
+    use crate::harness::{Folder, stderr};
     let folder = Folder::new("no_gpu");
     let out = folder.path("a.png");
     let model = asset("cube.obj");
