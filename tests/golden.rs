@@ -14,7 +14,6 @@ mod displaced;
 
 use earmark::film::Image;
 use earmark::frame::{Drawing, Refinement};
-use earmark::golden::Goldens;
 use earmark::load::{LoadOptions, Loader};
 use earmark::mesh::resolver::NoFiles;
 use earmark::patch::PatchKind;
@@ -23,7 +22,6 @@ use earmark::shade::ShadeMode;
 use earmark::simd::Level;
 use earmark::tessellate::{DepthTags, Pattern};
 use earmark::{Camera, Renderer, SurfaceOptions};
-use std::path::Path;
 
 struct Golden {
     name: String,
@@ -346,15 +344,9 @@ fn draw(g: &Golden, simd: Level) -> Image {
     renderer.render(&scene, &g.camera).unwrap().image
 }
 
-/// The golden pictures of this package stand beside its sources.
-fn store() -> Goldens {
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Goldens::of(manifest, "earmark").in_folder(&manifest.join("golden"))
-}
-
 #[test]
 fn pictures_equal_their_goldens() {
-    let store = store();
+    let store = common::goldens();
     let strict = store.clone().blessing(false);
     let mut failures = Vec::new();
     let mut written = 0;
@@ -382,13 +374,15 @@ fn pictures_equal_their_goldens() {
 #[test]
 fn every_golden_is_read_by_a_test() {
     let all = goldens();
-    let mut dead = store().dead(all.iter().map(|g| g.name.as_str())).unwrap();
+    let mut dead = common::goldens()
+        .dead(all.iter().map(|g| g.name.as_str()))
+        .unwrap();
     // Those of line work are read by tests of their own.
     dead.retain(|name| !name.starts_with("overlay_"));
     assert_eq!(dead, Vec::<String>::new(), "goldens that no test reads");
     // One that is not asked for is found.
     let but_one = all[1..].iter().map(|g| g.name.as_str());
-    let dead = store().dead(but_one).unwrap();
+    let dead = common::goldens().dead(but_one).unwrap();
     assert!(dead.contains(&all[0].name), "{dead:?}");
 }
 
@@ -398,7 +392,7 @@ fn a_changed_picture_is_noticed() {
     let mut image = draw(&g, Level::detect());
     image.data[4 * 128 * 257] ^= 1;
     let folder = std::env::temp_dir().join(format!("earmark-changed-{}", std::process::id()));
-    let strict = store().blessing(false).leaving_in(&folder);
+    let strict = common::goldens().blessing(false).leaving_in(&folder);
     let failure = strict.check(&g.name, &image.into()).unwrap_err();
     assert!(
         failure.to_string().contains("1 of 65536 pixels differ"),
