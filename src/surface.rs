@@ -13,6 +13,7 @@ use crate::control::tables::TableTree;
 use crate::control::{ControlTree, Fans, Kind};
 use crate::dice::face::{FacePatch, Sides};
 use crate::dice::fan_points::FanPoints;
+use crate::dice::triangle::is_regular as is_regular_triangle_fan;
 use crate::dice::{DiceFault, MAX_LEVEL};
 use crate::math;
 use crate::mesh::{Cage, NONE};
@@ -29,7 +30,7 @@ use mesh::QuadMesh;
 use std::sync::Arc;
 
 pub use diced::DicedQuad;
-pub(crate) use patch::QuadPatch;
+pub(crate) use patch::{QuadPatch, Spline};
 
 /// How a cage is read as a surface. What is `None` comes from the cage's tags, else from the defaults.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -413,6 +414,26 @@ impl Surface {
     /// Whether faces are diced by tables, which are made for one level at a time.
     pub(crate) fn has_tables(&self) -> bool {
         self.tables.is_some()
+    }
+
+    /// At which corners of face `q` the surface is no spline. Features are not looked for.
+    pub(crate) fn irregular_corners(&self, q: u32) -> [bool; 4] {
+        if self.has_tables() {
+            return [true; 4];
+        }
+        if self.patches.is_some() || self.linear {
+            return [false; 4];
+        }
+        let t = self.quads();
+        let mut out = [false; 4];
+        for (out, h) in out.iter_mut().zip(t.face_halves(q)) {
+            let fan = &t.fans()[t.fan(h) as usize];
+            *out = match self.triangles {
+                true => !is_regular_triangle_fan(fan),
+                false => !fan.is_regular(),
+            };
+        }
+        out
     }
 
     /// By how many steps the whole mesh is refined before tables of `level` are applied, once those are made.

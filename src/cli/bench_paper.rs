@@ -298,17 +298,23 @@ impl Ready {
         let warm = renderer.render(&scene, &camera)?;
         let (view, mut stats) = (warm.view, warm.stats);
         if let Some(wanted) = row.depth.wanted() {
-            // Counts fall about with the square of the pieces, in steps; the nearest that is met.
+            // Counts fall with the size of the pieces, in steps, vertex by vertex; the nearest that is met.
             let off = |n: u64| (n.max(1) as f64 / wanted as f64).ln().abs();
             let (mut scale, mut best) = (1.0_f32, (f64::INFINITY, renderer.refinement));
-            for _ in 0..8 {
+            let [mut many, mut few] = [None, None];
+            for _ in 0..14 {
                 renderer.refinement = row.depth.refinement(scale);
                 let found = renderer.render_view(&plain, &view)?;
                 let count = found.stats.microtriangles;
                 if off(count) < best.0 {
                     best = (off(count), renderer.refinement);
                 }
-                scale *= (count as f32 / wanted as f32).sqrt().clamp(0.5, 2.0);
+                let side = if count > wanted { &mut many } else { &mut few };
+                *side = Some(scale);
+                scale = match (many, few) {
+                    (Some(low), Some(high)) => (low * high).sqrt(),
+                    _ => scale * (count as f32 / wanted as f32).sqrt().clamp(0.5, 2.0),
+                };
             }
             renderer.refinement = best.1;
             stats = renderer.render_view(&scene, &view)?.stats;

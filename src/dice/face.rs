@@ -412,6 +412,21 @@ impl FacePatch {
         }
     }
 
+    /// The control points of a face that is one B-spline, row by row.
+    pub(crate) fn spline(&self) -> Option<[[[f32; 3]; 4]; 4]> {
+        let [sheet] = &self.sheets[..] else {
+            return None;
+        };
+        let whole = !self.refined && self.dots.is_empty() && sheet.level == self.level;
+        let row = |j: usize| std::array::from_fn(|i| sheet.net[j][i].xyz());
+        whole.then(|| std::array::from_fn(row))
+    }
+
+    /// Whether its sides follow from the rings of their ends: no control levels below are asked.
+    pub(crate) fn has_plain_sides(&self) -> bool {
+        !self.refined
+    }
+
     /// Points whose convex hull holds the whole diced face, but for rounding.
     pub(crate) fn hull(&self, mut out: impl FnMut([f32; 3])) {
         for quadrant in self.sheets.iter().flat_map(Sheet::quadrants) {

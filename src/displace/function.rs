@@ -206,17 +206,57 @@ impl Function {
         heights: &mut [f32],
         slopes: Option<&mut Grid3>,
     ) {
-        dispatch!(simd, self.rows(points, size, heights, slopes));
+        match slopes {
+            Some(slopes) => dispatch!(simd, self.rows(points, size, heights, slopes)),
+            None => dispatch!(simd, self.value_rows(points, size, heights)),
+        }
+    }
+
+    /// Heights alone: those of [`Function::rows`], bit for bit.
+    #[inline(always)]
+    fn value_rows(&self, points: &Grid3, size: BlockSize, heights: &mut [f32]) {
+        for j in 0..size.rows {
+            let at = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
+            let (x, y, z) = (
+                &points.x[at.clone()],
+                &points.y[at.clone()],
+                &points.z[at.clone()],
+            );
+            let mut out = [0.0; BLOCK_STRIDE];
+            let out = &mut out[..x.len()];
+            let (y, z) = (&y[..x.len()], &z[..x.len()]);
+            if self.shape == Shape::Ripples || self.time != 0.0 {
+                for i in 0..x.len() {
+                    out[i] = self.slope([x[i], y[i], z[i]])[0];
+                }
+            } else {
+                let (mut frequency, mut weight) = (self.frequency, 1.0);
+                let mut count = 1;
+                if self.shape != Shape::Perlin {
+                    (count, weight) = (self.octaves, 1.0 / self.weights());
+                }
+                let ridged = self.shape == Shape::Ridged;
+                for k in 0..count {
+                    let seed = self.seed.wrapping_add(k);
+                    for i in 0..x.len() {
+                        let at = [x[i] * frequency, y[i] * frequency, z[i] * frequency];
+                        let n = noise::perlin_value(at, seed);
+                        // As `ridge`.
+                        let sign = if n < 0.0 { -1.0 } else { 1.0 };
+                        let rest = (1.0 - n * sign).max(0.0);
+                        let n = if ridged { 2.0 * rest * rest - 1.0 } else { n };
+                        out[i] += n * weight;
+                    }
+                    frequency *= self.lacunarity;
+                    weight *= self.gain;
+                }
+            }
+            heights[at].copy_from_slice(out);
+        }
     }
 
     #[inline(always)]
-    fn rows(
-        &self,
-        points: &Grid3,
-        size: BlockSize,
-        heights: &mut [f32],
-        mut slopes: Option<&mut Grid3>,
-    ) {
+    fn rows(&self, points: &Grid3, size: BlockSize, heights: &mut [f32], slopes: &mut Grid3) {
         for j in 0..size.rows {
             let at = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
             let row = [
@@ -241,11 +281,9 @@ impl Function {
                 }
             }
             heights[at.clone()].copy_from_slice(&out[0][..size.cols]);
-            if let Some(slopes) = slopes.as_deref_mut() {
-                slopes.x[at.clone()].copy_from_slice(&out[1][..size.cols]);
-                slopes.y[at.clone()].copy_from_slice(&out[2][..size.cols]);
-                slopes.z[at].copy_from_slice(&out[3][..size.cols]);
-            }
+            slopes.x[at.clone()].copy_from_slice(&out[1][..size.cols]);
+            slopes.y[at.clone()].copy_from_slice(&out[2][..size.cols]);
+            slopes.z[at].copy_from_slice(&out[3][..size.cols]);
         }
     }
 
@@ -363,6 +401,7 @@ impl Function {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::records::BLOCK_LEN;
 
     #[test]
     fn texts_are_read_or_refused() {
@@ -395,6 +434,38 @@ mod tests {
             "Fbm",
         ] {
             assert!(bad.parse::<Function>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn rows_and_points_have_the_same_bits_with_and_without_gradients() {
+        let size = BlockSize { cols: 33, rows: 7 };
+        let mut points = Grid3::boxed();
+        for (n, k) in size.indices().enumerate() {
+            points.put(
+                k,
+                [0.371, 0.719, 0.131].map(|s| (s * n as f32).fract() * 8.0 - 4.0),
+            );
+        }
+        for text in [
+            "perlin",
+            "fbm:frequency=3",
+            "ridged:octaves=4",
+            "ripples",
+            "fbm:t=0.4",
+        ] {
+            let f: Function = text.parse().unwrap();
+            for simd in Level::available() {
+                let (mut alone, mut both) = (vec![0.0; BLOCK_LEN], vec![0.0; BLOCK_LEN]);
+                let mut slopes = Grid3::boxed();
+                f.grid(simd, &points, size, &mut alone, None);
+                f.grid(simd, &points, size, &mut both, Some(&mut slopes));
+                for k in size.indices() {
+                    let [h, x, y, z] = f.slope(points.at(k));
+                    assert_eq!(alone[k].to_bits(), both[k].to_bits(), "{text}");
+                    assert_eq!((h, [x, y, z]), (both[k], slopes.at(k)), "{text}");
+                }
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! Heights from a picture.
 
+use crate::records::BLOCK_STRIDE;
 use crate::texture::Texture;
 use std::ops::Range;
 
@@ -124,6 +125,71 @@ impl HeightMap {
         };
         let (a, b) = (row(y0), row(y1));
         a + (b - a) * ty
+    }
+
+    /// Heights along a line of points, by the sums of [`HeightMap::at`].
+    #[inline(always)]
+    pub(super) fn line(&self, u: &[f32], v: &[f32], out: &mut [f32]) {
+        let (mut across, mut down) = (Taps::NONE, Taps::NONE);
+        across.find(u, [1.0, 0.0], self.width);
+        down.find(v, [-1.0, 0.0], self.height);
+        self.blend(&across, &down, out);
+    }
+
+    /// The same with slopes, by those of [`HeightMap::slope`].
+    #[inline(always)]
+    pub(super) fn slope_line(&self, u: &[f32], v: &[f32], out: [&mut [f32]; 3]) {
+        let (w, h) = (self.width as f32, self.height as f32);
+        let (du, dv) = (0.5 / w, 0.5 / h);
+        let [height, by_u, by_v] = out;
+        let n = height.len();
+        let (by_u, by_v) = (&mut by_u[..n], &mut by_v[..n]);
+        let mut other = [0.0; BLOCK_STRIDE];
+        let other = &mut other[..n];
+        let (mut across, mut down, mut taps) = (Taps::NONE, Taps::NONE, Taps::NONE);
+        across.find(u, [1.0, 0.0], self.width);
+        down.find(v, [-1.0, 0.0], self.height);
+        self.blend(&across, &down, height);
+        taps.find(u, [1.0, du], self.width);
+        self.blend(&taps, &down, by_u);
+        taps.find(u, [1.0, -du], self.width);
+        self.blend(&taps, &down, other);
+        for i in 0..n {
+            by_u[i] = (by_u[i] - other[i]) * w;
+        }
+        taps.find(v, [-1.0, dv], self.height);
+        self.blend(&across, &taps, by_v);
+        taps.find(v, [-1.0, -dv], self.height);
+        self.blend(&across, &taps, other);
+        for i in 0..n {
+            by_v[i] = (by_v[i] - other[i]) * h;
+        }
+    }
+
+    #[inline(always)]
+    fn blend(&self, across: &Taps, down: &Taps, out: &mut [f32]) {
+        let n = out.len().min(BLOCK_STRIDE);
+        let out = &mut out[..n];
+        let width = self.width as usize;
+        let mut found = [[0.0; BLOCK_STRIDE]; 4];
+        for i in 0..n {
+            let (x0, x1) = (across.first[i] as usize, across.second[i] as usize);
+            let (y0, y1) = (
+                down.first[i] as usize * width,
+                down.second[i] as usize * width,
+            );
+            for (found, at) in found.iter_mut().zip([y0 + x0, y0 + x1, y1 + x0, y1 + x1]) {
+                found[i] = self.texels[at];
+            }
+        }
+        let [a, b, c, d] = &found;
+        let (a, b, c, d) = (&a[..n], &b[..n], &c[..n], &d[..n]);
+        let (tx, ty) = (&across.share[..n], &down.share[..n]);
+        for i in 0..n {
+            let low = a[i] + (b[i] - a[i]) * tx[i];
+            let high = c[i] + (d[i] - c[i]) * tx[i];
+            out[i] = low + (high - low) * ty[i];
+        }
     }
 
     /// Height and derivatives by u and v. The height's own derivatives jump at texels; these are its differences over one texel, which are
@@ -264,9 +330,43 @@ impl HeightMap {
     }
 }
 
+/// The texels around a line of coordinates, one direction of them.
+struct Taps {
+    first: [i32; BLOCK_STRIDE],
+    second: [i32; BLOCK_STRIDE],
+    /// Share of the second.
+    share: [f32; BLOCK_STRIDE],
+}
+
+impl Taps {
+    const NONE: Self = Self {
+        first: [0; BLOCK_STRIDE],
+        second: [0; BLOCK_STRIDE],
+        share: [0.0; BLOCK_STRIDE],
+    };
+
+    /// Those around `sign` times (coordinate + `step`).
+    #[inline(always)]
+    fn find(&mut self, x: &[f32], [sign, step]: [f32; 2], n: u32) {
+        let count = x.len().min(BLOCK_STRIDE);
+        let x = &x[..count];
+        let (first, second) = (&mut self.first[..count], &mut self.second[..count]);
+        let share = &mut self.share[..count];
+        for i in 0..count {
+            (first[i], second[i], share[i]) = texels_at(sign * (x[i] + step), n);
+        }
+    }
+}
+
 /// The two texels around a coordinate along a side of `n` texels, and the share of the second.
 #[inline(always)]
 fn neighbours(x: f32, n: u32) -> (usize, usize, f32) {
+    let (a, b, t) = texels_at(x, n);
+    (a as usize, b as usize, t)
+}
+
+#[inline(always)]
+fn texels_at(x: f32, n: u32) -> (i32, i32, f32) {
     // Beyond 2^23 there is no fraction.
     let x = if x.abs() < 8_388_608.0 { x } else { 0.0 };
     let i = x as i32;
@@ -278,7 +378,7 @@ fn neighbours(x: f32, n: u32) -> (usize, usize, f32) {
     let a = if below < 0 { n - 1 } else { below.min(n - 1) };
     let b = if a + 1 == n { 0 } else { a + 1 };
     let t = p - below as f32;
-    (a as usize, b as usize, if t < 1.0 { t } else { 1.0 })
+    (a, b, if t < 1.0 { t } else { 1.0 })
 }
 
 #[cfg(test)]
@@ -306,6 +406,27 @@ mod tests {
         assert_eq!(map.at(1.25, -0.25), 0.0);
         for x in [f32::NAN, f32::INFINITY, 1e30, -1e-9, 1.0, -0.0] {
             assert!(map.at(x, x).is_finite() && map.slope(x, x)[1].is_finite());
+        }
+    }
+
+    #[test]
+    fn lines_have_the_bits_of_points() {
+        let map = waves(37, 29);
+        let at = |k: f32| -> Vec<f32> {
+            let ends = [0.0, -0.0, 1.0, -1.0, f32::NAN, 1e30, -1e-9];
+            let all = (0..33 - ends.len()).map(|i| (i as f32 * k).fract() * 3.0 - 1.0);
+            ends.into_iter().chain(all).collect()
+        };
+        let (u, v) = (at(0.371), at(0.713));
+        for simd in crate::simd::Level::available() {
+            let mut heights = vec![0.0; u.len()];
+            crate::dispatch!(simd, map.line(&u, &v, &mut heights));
+            let [mut h, mut x, mut y] = [(); 3].map(|()| vec![0.0; u.len()]);
+            crate::dispatch!(simd, map.slope_line(&u, &v, [&mut h, &mut x, &mut y]));
+            for i in 0..u.len() {
+                assert_eq!(heights[i].to_bits(), map.at(u[i], v[i]).to_bits());
+                assert_eq!([h[i], x[i], y[i]], map.slope(u[i], v[i]));
+            }
         }
     }
 

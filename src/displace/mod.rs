@@ -21,8 +21,9 @@ mod map;
 mod noise;
 pub(crate) mod normal;
 
+use crate::dispatch;
 use crate::math;
-use crate::records::{BLOCK_LEN, BlockSize, Grid3};
+use crate::records::{BLOCK_LEN, BLOCK_STRIDE, BlockSize, Grid3};
 use crate::simd::Level;
 use std::fmt;
 use std::sync::Arc;
@@ -234,16 +235,8 @@ impl Displacement {
                 function.grid(simd, points, size, &mut values[..], slopes);
             }
             Kind::Map(map) => {
-                for k in size.indices() {
-                    let (u, v) = (uvs.x[k], uvs.y[k]);
-                    if wants_slopes {
-                        let [h, du, dv] = map.slope(u, v);
-                        values[k] = h;
-                        (slopes.x[k], slopes.y[k]) = (du, dv);
-                    } else {
-                        values[k] = map.at(u, v);
-                    }
-                }
+                let slopes = wants_slopes.then_some(&mut **slopes);
+                dispatch!(simd, map_rows(map, size, uvs, &mut values[..], slopes));
             }
             Kind::Vector { rule, most } => {
                 for k in size.indices() {
@@ -265,12 +258,30 @@ impl Displacement {
                 return;
             }
         }
-        for k in size.indices() {
-            let h = self.height(values[k]);
-            values[k] = h;
-            points.x[k] += directions.x[k] * h;
-            points.y[k] += directions.y[k] * h;
-            points.z[k] += directions.z[k] * h;
+        dispatch!(simd, self.lift(size, points, directions, &mut values[..]));
+    }
+
+    /// Makes heights of values, and moves points along their directions.
+    #[inline(always)]
+    fn lift(&self, size: BlockSize, points: &mut Grid3, directions: &Grid3, values: &mut [f32]) {
+        for j in 0..size.rows {
+            let at = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
+            let h = &mut values[at.clone()];
+            for h in h.iter_mut() {
+                *h = self.height(*h);
+            }
+            let lines = [
+                (&mut points.x, &directions.x),
+                (&mut points.y, &directions.y),
+                (&mut points.z, &directions.z),
+            ];
+            for (p, d) in lines {
+                let (p, d) = (&mut p[at.clone()], &d[at.clone()]);
+                let (d, h) = (&d[..p.len()], &h[..p.len()]);
+                for i in 0..p.len() {
+                    p[i] += d[i] * h[i];
+                }
+            }
         }
     }
 
@@ -327,6 +338,26 @@ impl Displacement {
                 (self.height(h), [du, dv, 0.0])
             }
             Kind::Vector { .. } => (0.0, [0.0; 3]),
+        }
+    }
+}
+
+/// Values of a map at the texture coordinates of a grid, with its slopes if they are wanted.
+#[inline(always)]
+fn map_rows(
+    map: &HeightMap,
+    size: BlockSize,
+    uvs: &Grid3,
+    values: &mut [f32],
+    mut slopes: Option<&mut Grid3>,
+) {
+    for j in 0..size.rows {
+        let at = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
+        let (u, v) = (&uvs.x[at.clone()], &uvs.y[at.clone()]);
+        let h = &mut values[at.clone()];
+        match slopes.as_deref_mut() {
+            Some(s) => map.slope_line(u, v, [h, &mut s.x[at.clone()], &mut s.y[at]]),
+            None => map.line(u, v, h),
         }
     }
 }

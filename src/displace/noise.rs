@@ -110,6 +110,49 @@ pub(super) fn perlin(p: [f32; 3], seed: u32) -> Slope {
     mix(low, high, w, 3)
 }
 
+/// The same as the first number of `corner`: of the two components of a direction that are not zero, in the same order but for what is added
+/// to zeros.
+#[inline(always)]
+fn corner_value(of: [i32; 3], from: [f32; 3], at: [i32; 3], seed: u32) -> f32 {
+    let place = [
+        of[0].wrapping_add(at[0]),
+        of[1].wrapping_add(at[1]),
+        of[2].wrapping_add(at[2]),
+    ];
+    let h = hash(place, seed) & 15;
+    let (x, y, z) = (
+        from[0] - at[0] as f32,
+        from[1] - at[1] as f32,
+        from[2] - at[2] as f32,
+    );
+    let first = if h < 8 { x } else { y };
+    let other = if h == 12 || h == 14 { x } else { z };
+    let second = if h < 4 { y } else { other };
+    let first = if h & 1 == 0 { first } else { -first };
+    let second = if h & 2 == 0 { second } else { -second };
+    first + second
+}
+
+/// [`perlin`] without its gradient.
+#[inline(always)]
+pub(super) fn perlin_value(p: [f32; 3], seed: u32) -> f32 {
+    let (ix, x) = cell(p[0]);
+    let (iy, y) = cell(p[1]);
+    let (iz, z) = cell(p[2]);
+    let (of, from) = ([ix, iy, iz], [x, y, z]);
+    let (u, v, w) = (fade(x)[0], fade(y)[0], fade(z)[0]);
+    let mut edges = [0.0; 4];
+    for k in 0..4 {
+        let (b, c) = (k as i32 & 1, k as i32 >> 1);
+        let near = corner_value(of, from, [0, b, c], seed);
+        let far = corner_value(of, from, [1, b, c], seed);
+        edges[k] = near + (far - near) * u;
+    }
+    let low = edges[0] + (edges[1] - edges[0]) * v;
+    let high = edges[2] + (edges[3] - edges[2]) * v;
+    low + (high - low) * w
+}
+
 /// The seed of a whole time.
 #[inline(always)]
 fn seed_at(seed: u32, time: i32) -> u32 {
@@ -158,6 +201,14 @@ mod tests {
         }
         let most = places().map(|p| perlin(p, 3)[0].abs()).fold(0.0, f32::max);
         assert!(most > 0.7, "{most}");
+    }
+
+    #[test]
+    fn values_alone_have_the_same_bits() {
+        for p in places().chain(places().map(|p| p.map(f32::round))) {
+            // Zeros may have another sign: they are added to heights.
+            assert_eq!(perlin_value(p, 3) + 0.0, perlin(p, 3)[0] + 0.0, "{p:?}");
+        }
     }
 
     #[test]

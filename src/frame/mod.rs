@@ -37,6 +37,7 @@ use crate::tessellate::{DepthTags, Flatness, Tessellation, depth_tags, flatness}
 use crate::texture::Texture;
 use rayon::prelude::*;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 pub use aov::{Aov, Plane};
@@ -465,7 +466,7 @@ impl Renderer {
             ..FrameStats::default()
         };
         let begin = Instant::now();
-        let boxes = self.setup(&frame, item_count)?;
+        let boxes = self.setup(&frame, item_count, &mut stats.diced_in_setup)?;
         stats.wall[0] = begin.elapsed();
         self.limits.memory(
             "the bins of the tiles",
@@ -607,7 +608,9 @@ impl Renderer {
         &self,
         frame: &Frame<'_>,
         item_count: u32,
+        diced: &mut u64,
     ) -> Result<Vec<Option<PixelBox>>, LimitError> {
+        let points = AtomicU64::new(0);
         let mut boxes = vec![None; item_count as usize];
         const CHUNK: usize = 256;
         boxes
@@ -622,9 +625,11 @@ impl Renderer {
                     let of = frame.source_of(item);
                     *out = tile::item_box(frame, of, item - of.first_item, source, hull);
                 }
+                points.fetch_add(source.take_diced(), Ordering::Relaxed);
                 self.scratch.give_back(scratch);
                 Ok(())
             })?;
+        *diced = points.into_inner();
         Ok(boxes)
     }
 
@@ -647,6 +652,7 @@ impl Renderer {
                 p.data.chunks_mut(bytes).map(Mutex::new).collect()
             })
             .collect();
+        let points = AtomicU64::new(0);
         let (covered, times) = (0..frame.grid.len())
             .into_par_iter()
             .with_max_len(1)
@@ -674,6 +680,7 @@ impl Renderer {
                 }
                 scratch.times.stop(Stage::Film, clock);
                 let times = scratch.times;
+                points.fetch_add(scratch.source.take_diced(), Ordering::Relaxed);
                 self.scratch.give_back(scratch);
                 Ok((covered, times))
             })
@@ -687,6 +694,7 @@ impl Renderer {
             )?;
         drop(bands);
         drop(plane_bands);
+        stats.diced += points.into_inner();
         stats.pixels_covered += covered;
         stats.times.add(&times);
         Ok((image, planes))

@@ -61,6 +61,8 @@ pub(super) struct SourceScratch {
     /// Of the surface that is drawn, what is prepared: quad and level.
     leaf: Option<(usize, u32, u32, Sides)>,
     pub(super) spare: Spare,
+    /// Points that were diced since this was asked last.
+    diced: u64,
 }
 
 impl SourceScratch {
@@ -82,6 +84,11 @@ impl SourceScratch {
             .clock
             .set(self.patch.clock.get().map(|_| Duration::ZERO));
         spent
+    }
+
+    /// Points that were diced since this was asked last.
+    pub(super) fn take_diced(&mut self) -> u64 {
+        std::mem::take(&mut self.diced)
     }
 
     /// Forgets which item is prepared: numbers of another scene mean other items.
@@ -330,6 +337,10 @@ impl<'a> Source<'a> {
         out.clear();
         let surface = &self.object.surface;
         if let Some(t) = &self.tessellation {
+            if surface.displacement().is_some() {
+                let size = self.block_size(item);
+                scratch.diced += (size.cols * size.rows) as u64;
+            }
             leaf::hull(surface, t, item, scratch, out);
         } else if self.drawing == Drawing::Cage {
             let cage = surface.cage();
@@ -378,6 +389,10 @@ impl<'a> Source<'a> {
         points: &mut Grid3,
         attributes: Option<&mut Attributes>,
     ) {
+        if attributes.is_none() {
+            let size = self.block_size(item);
+            scratch.diced += (size.cols * size.rows) as u64;
+        }
         if let Some(t) = &self.tessellation {
             let attributes = attributes.map(|a| (a, self.wants_tangents));
             return leaf::dice(&self.object.surface, t, item, scratch, points, attributes);

@@ -34,6 +34,26 @@ pub(super) struct ChannelPatch {
     by: By,
 }
 
+/// Control points of a face that is one spline.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Spline {
+    /// A bicubic B-spline, row by row.
+    Quad([[[f32; 3]; 4]; 4]),
+    /// A quartic box spline: rows of 3, 4, 3 and 2, the first one beyond side 0, each row's begin one to the right of where the row before
+    /// has a neighbour in the direction of side 2.
+    Triangle([[f32; 3]; 12]),
+}
+
+impl Spline {
+    /// The control points; their hull holds the face.
+    pub(crate) fn points(&self) -> &[[f32; 3]] {
+        match self {
+            Self::Quad(net) => net.as_flattened(),
+            Self::Triangle(net) => net,
+        }
+    }
+}
+
 /// What is asked of a face.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
@@ -154,6 +174,14 @@ impl ChannelPatch {
             By::Triangle => self.triangle.dice(bu, bv, points, normals),
             By::Table => self.table.dice(bu, bv, points, normals),
             By::Patches => self.patches.dice(bu, bv, points, normals),
+        }
+    }
+
+    fn spline(&self) -> Option<Spline> {
+        match self.by {
+            By::Quad => self.quad.spline().map(Spline::Quad),
+            By::Triangle => self.triangle.spline().map(Spline::Triangle),
+            By::Table | By::Patches => None,
         }
     }
 
@@ -493,6 +521,24 @@ impl QuadPatch {
     /// Colours of a part.
     pub(crate) fn dice_part_colors(&self, part: Part, out: &mut Grid3) {
         self.colors.dice_part(part, out, None);
+    }
+
+    /// Control points of a face that is one spline and drawn where that is.
+    pub(crate) fn spline(&self) -> Option<Spline> {
+        match self.is_displaced {
+            true => None,
+            false => self.points.spline(),
+        }
+    }
+
+    /// Whether samples inside of the face tell what is to be known of its sides.
+    pub(crate) fn has_plain_sides(&self) -> bool {
+        !self.is_displaced
+            && match self.points.by {
+                By::Quad => self.points.quad.has_plain_sides(),
+                By::Triangle => self.points.triangle.has_plain_sides(),
+                By::Table | By::Patches => true,
+            }
     }
 
     /// Point and unit normal at (`u`, `v`) of the patches that were prepared.

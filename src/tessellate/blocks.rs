@@ -101,8 +101,20 @@ fn face_blocks(
             reversed: runs_back(quads, h),
         };
     }
-    tree.balance(&sides);
     let edges = sides.iter().map(|s| s.tree.depth()).max().unwrap_or(0);
+    if edges == 0 && tree.is_flat() {
+        out.leaves.push(Leaf {
+            quad: q,
+            reach: reach.prepared(0) as u8,
+            level: 0,
+            log: 0,
+            start: [0; 2],
+            moves_end: out.moves.len() as u32,
+            list: NO_LIST,
+        });
+        return;
+    }
+    tree.balance(&sides);
     let reach = reach.prepared(tree.deepest().max(edges));
     let moves = &mut out.moves;
     for node in tree.nodes.iter().filter(|n| n.is_leaf()) {

@@ -173,6 +173,11 @@ impl Quadtree {
         self.nodes.push(Node::ROOT);
     }
 
+    /// Whether it is one block of level 0.
+    pub(super) fn is_flat(&self) -> bool {
+        matches!(&self.nodes[..], [root] if root.is_leaf() && root.level == 0)
+    }
+
     /// Says what a leaf needs.
     pub(super) fn set_need(&mut self, node: usize, level: u32) {
         self.nodes[node].need = level as u8;

@@ -86,6 +86,7 @@ impl TrianglePatch {
     ) {
         self.begin(target, level, sides);
         let Some(root) = below.at(0) else { return };
+        self.is_plain = root.first_child(face).is_none();
         let whole = |c: usize| (sides > Sides::None).then(|| SidePlace::whole(c));
         let place = Place::root(1 << level);
         self.descend(below, 0, face, level, place, [0, 1, 2].map(whole));

@@ -28,4 +28,5 @@ pub(crate) use self::{
     evaluate::{TriangleEvaluator, TriangleRow, leaf},
     fans::{TriangleFans, TriangleMasks},
     patch::{TriangleChannel, TrianglePatch},
+    ring::is_regular,
 };

@@ -72,6 +72,8 @@ pub(crate) struct TrianglePatch {
     windows: [Window; 3],
     /// Rings of every corner after 1, 2, … steps, relative to the corner's base.
     rings: [Vec<Near>; 3],
+    /// Whether no control levels below are asked.
+    pub(super) is_plain: bool,
     pub(crate) fault: DiceFault,
     /// Vector instructions; never changes a bit.
     pub(crate) simd: Level,
@@ -90,6 +92,7 @@ impl Default for TrianglePatch {
             hexagons: [[Hexagon::EMPTY; 2]; 3],
             windows: [const { Window::EMPTY }; 3],
             rings: Default::default(),
+            is_plain: false,
             fault: DiceFault::None,
             simd: Level::SCALAR,
         }
@@ -110,6 +113,19 @@ impl TrianglePatch {
         self.begin(target, level, sides);
         let whole = [0, 1, 2].map(|c| Some(SidePlace::whole(c)));
         self.append(channel, face, level, Place::root(1 << level), whole);
+    }
+
+    /// The control points of a face that is one piece: rows of 3, 4, 3 and 2 of the lattice whose first row lies beyond side 0.
+    pub(crate) fn spline(&self) -> Option<[[f32; 3]; 12]> {
+        match &self.pieces[..] {
+            [piece] if self.is_plain && self.hull.is_empty() => piece.whole_net(),
+            _ => None,
+        }
+    }
+
+    /// Whether its sides follow from the rings of their ends: no control levels below are asked.
+    pub(crate) fn has_plain_sides(&self) -> bool {
+        self.is_plain
     }
 
     /// Starts an empty grid of `2^level` segments, to be filled by [`TrianglePatch::append`].

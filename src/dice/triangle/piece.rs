@@ -65,6 +65,12 @@ impl Piece {
         }
     }
 
+    /// Control points of a piece that stands for a whole face.
+    pub(super) fn whole_net(&self) -> Option<[[f32; 3]; 12]> {
+        let whole = self.corner == [0; 2] && !self.down && self.base == P4::ZERO;
+        whole.then(|| self.net.map(P4::xyz))
+    }
+
     /// First grid row and column.
     fn origin(&self) -> [i32; 2] {
         let back = if self.down { self.size } else { 0 };

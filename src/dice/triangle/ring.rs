@@ -44,7 +44,7 @@ pub(super) fn rule(fan: &Fan) -> FanRule {
 }
 
 /// Whether the surface around is an ordinary box spline: valence 6, or three faces on a boundary.
-pub(super) fn is_regular(fan: &Fan) -> bool {
+pub(crate) fn is_regular(fan: &Fan) -> bool {
     match rule(fan) {
         FanRule::Smooth => fan.faces == 6,
         FanRule::Crease => fan.faces == 3,

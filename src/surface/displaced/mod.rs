@@ -74,8 +74,9 @@ struct Work {
     uvs: Box<Grid3>,
     heights: Heights,
     rows: Rows,
-    /// Of the faces that own the sides.
+    /// Of the faces that own the sides, and of those that own the corners.
     others: [[Jets; 2]; 4],
+    owners: [[Jets; 2]; 4],
     /// Of the last block: texture coordinates that the owner of a crease replaced.
     replaced: Vec<([usize; 2], [f32; 3])>,
 }
@@ -90,6 +91,7 @@ impl Default for Work {
             heights: Heights::default(),
             rows: Rows::default(),
             others: Default::default(),
+            owners: Default::default(),
             replaced: Vec::new(),
         }
     }
@@ -137,7 +139,8 @@ impl DisplacedPatch {
         self.triangle = surface.triangles;
         if let Some(work) = &mut self.work {
             work.rows.own.iter_mut().for_each(Jets::forget);
-            work.others.iter_mut().flatten().for_each(Jets::forget);
+            let others = work.others.iter_mut().chain(&mut work.owners);
+            others.flatten().for_each(Jets::forget);
         }
         let Some(on) = self.on.clone() else {
             return false;
@@ -292,7 +295,15 @@ impl DisplacedPatch {
         let n = 1_u32 << part.level;
         let shift = self.level - part.level;
         for c in 0..corners.len() {
-            for k in 1..n {
+            let (a, b) = (corners[c], corners[(c + 1) % corners.len()]);
+            // What runs along the side is beyond all points but those of the part.
+            let axis = usize::from(a[0] == b[0]);
+            let (low, high) = (part.start[axis], part.start[axis] + part.segments);
+            let (low, high) = match a[axis] < b[axis] {
+                true => (low, high),
+                false => (n - high, n - low),
+            };
+            for k in low.max(1)..=high.min(n - 1) {
                 let at = on_side(corners, c, k, n);
                 let inside = |i: usize| {
                     at[i]
@@ -340,15 +351,13 @@ impl DisplacedPatch {
         };
         let mut work = self.work.take().unwrap_or_default();
         work.replaced.clear();
-        for k in size.indices() {
-            work.directions.put(k, normals.at(k));
-            if let Some(uvs) = uvs {
-                work.uvs.put(k, uvs.at(k));
-            }
-            if wants_normals {
-                work.limits.put(k, points.at(k));
-                work.normals.put(k, normals.at(k));
-            }
+        work.directions.copy_rows(normals, size);
+        if let Some(uvs) = uvs {
+            work.uvs.copy_rows(uvs, size);
+        }
+        if wants_normals {
+            work.limits.copy_rows(points, size);
+            work.normals.copy_rows(normals, size);
         }
         self.on_rims(part, |c, k, [i, j]| {
             let rim = &self.rims[c];
@@ -410,6 +419,7 @@ impl DisplacedPatch {
             heights,
             rows,
             others,
+            owners,
             replaced,
         } = work;
         let grids = [&**limits, &**limit_normals, &**uvs];
@@ -466,7 +476,8 @@ impl DisplacedPatch {
         }
         self.on_corners(part, |c, at| {
             if let Some((place, position, normal, height)) = site(at)
-                && let Some(found) = self.corner_normal(surface, on, c, (position, normal), height)
+                && let Some(found) =
+                    self.corner_normal(surface, on, (c, &mut owners[c]), (position, normal), height)
             {
                 normals.put(place, found);
             }
@@ -478,16 +489,15 @@ impl DisplacedPatch {
         &self,
         surface: &Surface,
         on: &Displaced,
-        c: usize,
+        (c, jets): (usize, &mut [Jets; 2]),
         (position, normal): ([f32; 3], [f32; 3]),
         height: f32,
     ) -> Option<[f32; 3]> {
         let corner = &self.corners[c];
         let place = self.place_of(surface, corner.owner, 0);
-        let mut jets = <[Jets; 2]>::default();
         let around = self.around(
             surface,
-            &mut jets,
+            jets,
             place,
             (position, normal, two(corner.owner_uv)),
         )?;
@@ -587,8 +597,14 @@ impl DisplacedPatch {
                     (k == n).then_some(next)
                 };
                 if let Some(corner) = corner {
-                    let found =
-                        self.corner_normal(surface, &on, corner, (position, normal), height);
+                    let jets = &mut work.owners[corner];
+                    let found = self.corner_normal(
+                        surface,
+                        &on,
+                        (corner, jets),
+                        (position, normal),
+                        height,
+                    );
                     normals[k] = found.unwrap_or(normal);
                     continue;
                 }

@@ -22,7 +22,7 @@ pub(super) struct Lines {
     next: Vec<usize>,
 }
 
-/// What the edges' own curves ask for: their number and splits, in the order of edges' first faces.
+/// What edges' own curves ask for, where they are sampled: their number and splits, in the order of edges' first faces.
 pub(super) type Own = Vec<(u32, Splits)>;
 
 /// Half-edges of an edge: `h` and its twin.
@@ -39,13 +39,13 @@ pub(super) struct Face<'a> {
 }
 
 impl Face<'_> {
-    /// Adds the splits of the edges that the face is the first of. `patch` is prepared for its points at `prepared`.
+    /// Adds the splits of the edges that the face is the first of, by samples of their own. `patch` is prepared as `prepared` says.
     pub(super) fn split(
         &self,
         metric: &Metric<'_>,
         lines: &mut Lines,
         surplus: &mut Surplus,
-        (patch, prepared): (&mut QuadPatch, &mut u32),
+        (patch, prepared): (&mut QuadPatch, &mut Option<(u32, Sides)>),
         out: &mut Own,
     ) {
         let quads = self.surface.whole_quads();
@@ -67,11 +67,14 @@ impl Face<'_> {
                 break;
             }
             let level = metric.reach.prepared(level);
-            if *prepared < level {
-                patch.prepare_points(self.surface, self.q, level, None, Sides::Normals);
-                *prepared = level;
-            }
-            let level = *prepared;
+            let level = match *prepared {
+                Some((have, Sides::Normals)) if have >= level => have,
+                _ => {
+                    patch.prepare_points(self.surface, self.q, level, None, Sides::Normals);
+                    *prepared = Some((level, Sides::Normals));
+                    level
+                }
+            };
             let mut at = first;
             for (c, h) in own.clone().enumerate() {
                 let edge = quads.edge(h);
@@ -120,7 +123,7 @@ impl Lines {
     }
 }
 
-/// Trees of all edges of the surface's faces, by number.
+/// Trees of all edges at faces that are drawn, by number.
 pub(super) fn trees(
     surface: &Surface,
     needs: &Needs,
@@ -130,25 +133,42 @@ pub(super) fn trees(
     let quads = surface.whole_quads();
     let shape = Shape::of(surface);
     let mut forest = Forest::new(quads.edge_count());
-    for part in own {
-        limits.check()?;
-        for (edge, mut splits) in part {
-            for h in halves(quads, quads.edge_half(edge)) {
-                let face = quads.face_of(h);
-                let c = (h - quads.face_halves(face).start) as usize;
-                ask(
-                    needs.nodes(face),
-                    shape,
-                    c,
-                    runs_back(quads, h),
-                    &mut splits,
-                );
-            }
-            if splits.depth > 0 {
-                let (depth, words) = splits.words();
-                forest.set(edge, depth, words);
+    let mut own: Vec<(u32, Splits)> = own.into_iter().flatten().collect();
+    own.sort_unstable_by_key(|o| o.0);
+    // Flat faces ask for nothing.
+    let asks = |q: u32| needs.nodes(q).iter().any(|n| n.is_leaf() && n.level() > 0);
+    let mut set = |edge: u32, mut splits: Splits| {
+        for h in halves(quads, quads.edge_half(edge)) {
+            let face = quads.face_of(h);
+            let c = (h - quads.face_halves(face).start) as usize;
+            let back = runs_back(quads, h);
+            ask(needs.nodes(face), shape, c, back, &mut splits);
+        }
+        if splits.depth > 0 {
+            let (depth, words) = splits.words();
+            forest.set(edge, depth, words);
+        }
+    };
+    for q in 0..quads.face_count() as u32 {
+        if q.is_multiple_of(4096) {
+            limits.check()?;
+        }
+        if !asks(q) {
+            continue;
+        }
+        for h in quads.face_halves(q) {
+            let edge = quads.edge(h);
+            let faces = || halves(quads, quads.edge_half(edge)).map(|h| quads.face_of(h));
+            // Once, and not where own splits wait.
+            let first = faces().find(|&q| asks(q)) == Some(q);
+            let waits = own.binary_search_by_key(&edge, |o| o.0).is_ok();
+            if first && !waits && faces().any(|q| needs.drawn[q as usize]) {
+                set(edge, Splits::default());
             }
         }
+    }
+    for (edge, splits) in own {
+        set(edge, splits);
     }
     Ok(forest)
 }

@@ -1,5 +1,6 @@
 //! What every face needs: from samples of its inside, as far as they are needed.
 
+use super::closed::{self, Told};
 use super::edges::{Face, Lines, Own, halves};
 use super::screen::Metric;
 use super::surplus::{Square as Sampled, Surplus};
@@ -7,7 +8,7 @@ use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
-use crate::surface::{QuadPatch, Surface};
+use crate::surface::{QuadPatch, Spline, Surface};
 use crate::tessellate::CHUNK;
 use crate::tessellate::blocks::{Needs, Part};
 use crate::tessellate::quadtree::{MAX_LOG, Quadtree, Shape};
@@ -22,6 +23,12 @@ const RESAMPLED: u32 = 3;
 
 /// Samples along the side of a face, one after the other while they do not tell enough, as powers of two.
 const LOGS: [u32; 4] = [2, 3, 4, MAX_LOG];
+
+/// In place of the first of them where nothing has to be sampled.
+const FLAT: u32 = 0;
+
+/// How many times as far as is allowed two triangles are, by the bound, of faces for which the first number of samples will not do.
+const ROUGH: f32 = 8.0;
 
 /// Samples, as a power of two, whose last step is trusted to say what the next one adds; of fewer, the next one is looked at.
 const TRUSTED: u32 = 3;
@@ -39,25 +46,27 @@ pub(super) fn needs(
 ) -> Result<(Needs, Vec<Own>), LimitError> {
     let quads = surface.whole_quads();
     let faces = quads.face_count();
-    let mut drawn = vec![false; faces];
-    drawn.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
+    let mut plans = vec![None; faces];
+    plans.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
         || (QuadPatch::for_level(simd), Vec::new()),
-        |(patch, hull), (k, drawn)| {
+        |(patch, hull), (k, plans)| {
             limits.check()?;
-            for (i, drawn) in drawn.iter_mut().enumerate() {
+            for (i, plan) in plans.iter_mut().enumerate() {
                 let q = (k * CHUNK + i) as u32;
                 hull.clear();
                 patch.prepare_points(surface, q, metric.reach.level, None, Sides::Hull);
-                if metric.reach.always {
-                    table_box(patch, metric.reach.level, hull);
-                } else {
-                    patch.hull(|p| hull.push(p));
+                let spline = patch.spline();
+                match &spline {
+                    Some(spline) => hull.extend_from_slice(spline.points()),
+                    None if metric.reach.always => table_box(patch, metric.reach.level, hull),
+                    None => patch.hull(|p| hull.push(p)),
                 }
-                *drawn = is_drawn(q, hull);
+                *plan = is_drawn(q, hull).then(|| first_log(metric, spline.as_ref()) as u8);
             }
             Ok(())
         },
     )?;
+    let drawn: Vec<bool> = plans.iter().map(Option::is_some).collect();
     // An edge asks both of its faces, whichever is drawn: what is outside of the picture must not change what is inside.
     let near = |q: usize| {
         let mut sides = quads.face_halves(q as u32).flat_map(|h| halves(quads, h));
@@ -72,7 +81,7 @@ pub(super) fn needs(
                 let (mut out, mut own) = (Part::default(), Own::new());
                 for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
                     if near(q) {
-                        worker.face(q as u32);
+                        worker.face(q as u32, plans[q].map(u32::from));
                         worker.edges(&drawn, q as u32, &mut own);
                         out.nodes.extend_from_slice(&worker.tree.nodes);
                     }
@@ -90,6 +99,15 @@ pub(super) fn needs(
     let needs = Needs { drawn, parts };
     limits.memory("the blocks of the tessellation", needs.bytes() as u128)?;
     Ok((needs, own))
+}
+
+/// How many samples a face begins with, as a power of two, if it is this spline or none.
+fn first_log(metric: &Metric<'_>, spline: Option<&Spline>) -> u32 {
+    match spline.map(|s| closed::tell(metric, s)) {
+        Some(Told::Flat) => FLAT,
+        Some(Told::Far(times)) if times.is_finite() && times > ROUGH => LOGS[1],
+        _ => LOGS[0],
+    }
 }
 
 /// The corners of a box that holds a face of tables: that of a few of its points, with room for those between. All of its points would take
@@ -121,14 +139,18 @@ struct Worker<'a> {
     surface: &'a Surface,
     metric: &'a Metric<'a>,
     patch: QuadPatch,
-    /// Level that the face is prepared for.
-    prepared: u32,
+    /// Level and sides that the face is prepared for.
+    prepared: Option<(u32, Sides)>,
     points: Box<Grid3>,
     normals: Box<Grid3>,
     tree: Quadtree,
     surplus: Surplus,
     levels: Levels,
     lines: Lines,
+    /// Whether nothing of the face has to be sampled.
+    is_flat: bool,
+    /// Which of its corners are irregular.
+    irregular: [bool; 4],
 }
 
 /// Levels below a sampled square that its parts need, depth by depth.
@@ -194,25 +216,41 @@ impl<'a> Worker<'a> {
             surface,
             metric,
             patch: QuadPatch::for_level(simd),
-            prepared: 0,
+            prepared: None,
             points: Grid3::boxed(),
             normals: Grid3::boxed(),
             tree: Quadtree::new(Shape::of(surface), metric.reach.squares),
             surplus: Surplus::new(simd),
             levels: Levels::default(),
             lines: Lines::default(),
+            is_flat: false,
+            irregular: [true; 4],
         }
     }
 
-    /// Leaves in `tree` what face `q` needs.
-    fn face(&mut self, q: u32) {
+    /// Leaves in `tree` what face `q` needs; `log` is how many samples to begin with, if that is known.
+    fn face(&mut self, q: u32, log: Option<u32>) {
         self.tree.clear();
-        self.prepared = 0;
-        self.grow(q, 0, LOGS[0]);
+        self.prepared = None;
+        let log = log.unwrap_or_else(|| {
+            let level = self.metric.reach.level;
+            self.patch
+                .prepare_points(self.surface, q, level, None, Sides::Hull);
+            first_log(self.metric, self.patch.spline().as_ref())
+        });
+        self.is_flat = log == FLAT;
+        if !self.is_flat {
+            self.irregular = self.surface.irregular_corners(q);
+            self.grow(q, 0, log);
+        }
     }
 
-    /// Adds what the edges of face `q` ask for, which was looked at last.
+    /// Adds what the edges of face `q` ask for, which was looked at last. Samples of the face's inside have its rim among them, and edges are
+    /// asked for what those need; only where the rim is not what the inside says, edges are sampled on their own.
     fn edges(&mut self, drawn: &[bool], q: u32, out: &mut Own) {
+        if self.is_flat || self.patch.has_plain_sides() {
+            return;
+        }
         let face = Face {
             surface: self.surface,
             drawn,
@@ -228,11 +266,19 @@ impl<'a> Worker<'a> {
         let deepest = self.metric.reach.level;
         let log = log.min(deepest - depth);
         let level = depth + log;
-        if self.prepared < level {
-            // Edges ask for as much.
-            self.prepared = self.metric.reach.prepared(level.max(LOGS[1].min(deepest)));
+        if self.prepared.is_none_or(|(have, _)| have < level) {
+            // Sides by their own rule are wanted only where they are sampled.
+            let sides = match self.surface.displacement() {
+                None => Sides::None,
+                Some(_) => Sides::Normals,
+            };
+            let level = self.metric.reach.prepared(level);
             self.patch
-                .prepare_points(self.surface, q, self.prepared, None, Sides::Normals);
+                .prepare_points(self.surface, q, level, None, sides);
+            self.prepared = Some((level, sides));
+            if !self.patch.has_plain_sides() {
+                self.irregular = [true; 4];
+            }
         }
         let part = Square {
             level,
@@ -246,13 +292,16 @@ impl<'a> Worker<'a> {
             Some(&mut self.normals),
         );
         let hides = self.hides(part);
+        let shape = self.tree.nodes[node].shape(self.tree.face);
         self.surplus
-            .grid(self.metric, log, &mut self.points, &self.normals);
+            .grid(self.metric, (log, shape), &mut self.points, &self.normals);
         let last = (1 << depth) - 1;
+        let corners = [[0, 0], [last, 0], [last, last], [0, last]].map(|c| c == place);
         let sampled = Sampled {
             log,
-            shape: self.tree.nodes[node].shape(self.tree.face),
-            corners: [[0, 0], [last, 0], [last, last], [0, last]].map(|corner| corner == place),
+            shape,
+            corners,
+            irregular: [0, 1, 2, 3].map(|c| corners[c] && self.irregular[c]),
         };
         let cap = self.metric.max_level.saturating_sub(depth);
         let mut levels = std::mem::take(&mut self.levels);
@@ -264,7 +313,12 @@ impl<'a> Worker<'a> {
             false => self.surplus.promising(&sampled),
         };
         let more = LOGS.into_iter().find(|&l| l > log && l >= promising);
-        let told = need + u32::from(log < TRUSTED) <= log;
+        // Towards an irregular corner steps add nearly as much as the one before: two are looked at.
+        let ahead = match sampled.irregular.contains(&true) {
+            true => 2,
+            false => u32::from(log < TRUSTED),
+        };
+        let told = need + ahead <= log;
         match more.filter(|_| (!told || hides) && level < deepest) {
             Some(more) => {
                 self.levels = levels;

@@ -4,10 +4,12 @@
 //! chords are as close to the limit curve as wanted on the screen, a face until its triangles are. Other than there, nothing is passed on:
 //!
 //! 1. `faces`: every face gets a quadtree whose leaves are blocks of at most 32×32 micro-quads, of the level that the surface inside of
-//!    it needs: as deep as the points of the next steps lie off its triangles (`surplus`).
-//! 2. `edges`: every cage edge gets a binary tree of splits, once: from its own curve, and from both faces, whose triangles beside it
-//!    should not be drawn out.
+//!    it needs: none where a bound says that it is flat (`closed`), else as deep as the points of the next steps lie off its triangles
+//!    (`surplus`).
+//! 2. `edges`: every cage edge gets a binary tree of splits, once: from what both faces need along it, so that triangles beside it are not
+//!    drawn out, and from its own curve where samples of the faces do not show that.
 
+mod closed;
 mod edges;
 mod faces;
 mod screen;

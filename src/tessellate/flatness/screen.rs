@@ -15,6 +15,8 @@ const NORMAL_SHARE: f32 = 0.85;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Metric<'a> {
     view: &'a View,
+    /// Pixels and radians that are allowed.
+    whole: [f32; 2],
     /// Per pixel that is allowed.
     pixels: f32,
     /// Per largest chord between unit normals.
@@ -50,11 +52,26 @@ impl<'a> Metric<'a> {
             2.0 * libm::sinf(flatness.degrees.clamp(0.01, 180.0).to_radians() * 0.5 * NORMAL_SHARE);
         Self {
             view,
+            whole: [
+                flatness.pixels.max(1e-3),
+                flatness.degrees.clamp(0.01, 180.0).to_radians(),
+            ],
             pixels: 1.0 / pixels,
             chord: 1.0 / chord,
             max_level: flatness.max_level.min(reach.level),
             reach,
         }
+    }
+
+    /// The near plane, pixels per model unit (in perspective at distance 1), and whether there is no perspective.
+    pub(super) fn projection(&self) -> (f32, f32, bool) {
+        let v = self.view;
+        (v.near, v.scale, v.projection.ortho)
+    }
+
+    /// What is allowed as a whole: pixels, and radians between normals.
+    pub(super) fn tolerances(&self) -> [f32; 2] {
+        self.whole
     }
 
     pub(super) fn seen(&self) -> Seen {

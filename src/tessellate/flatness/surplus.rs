@@ -13,6 +13,13 @@ use crate::tessellate::quadtree::{MAX_LOG, Shape};
 /// What a step of the grid below the samples is expected to leave: a quarter where the surface has second derivatives.
 const LEFT: f32 = 0.4;
 
+/// What is smaller, in pixels, has no normals of its own to be seen. Moved points make two cells one triangle, which should not be above a
+/// pixel then.
+const DOT: f32 = 0.6;
+
+/// By how much more than two steps the later ones may add at an irregular corner.
+const UNEVEN: f32 = 1.3;
+
 /// Points with a surplus in each direction of step `k`, `2^k + 1` in a row like the cells' corners, the last of a row or column without meaning.
 const fn plane(k: u32) -> usize {
     ((1 << k) + 1) * ((1 << k) + 1)
@@ -43,6 +50,13 @@ pub(super) struct Surplus {
     phases: [Six; 4],
     /// Distances, and distances of normals, by what is allowed; and lengths of the edges in pixels.
     found: [Vec<f32>; 3],
+    /// What step `k` adds to each of the `2^k` by `2^k` cells, step by step.
+    cells: Vec<f32>,
+}
+
+/// Where the cells of step `k` begin.
+fn first_cell(k: u32) -> usize {
+    ((1 << (2 * k)) - 1) / 3
 }
 
 /// Samples of a square of a face.
@@ -54,6 +68,17 @@ pub(super) struct Square {
     pub(super) shape: Shape,
     /// Whether each corner of the square is one of the face's.
     pub(super) corners: [bool; 4],
+    /// Whether it is an irregular one.
+    pub(super) irregular: [bool; 4],
+}
+
+impl Square {
+    /// Whether cell (`x`, `y`) of the `2^k` by `2^k` is at one of some corners.
+    fn is_at(&self, corners: [bool; 4], k: u32, at: [u32; 2]) -> bool {
+        let last = (1 << k) - 1;
+        let ends = [[0, 0], [last, 0], [last, last], [0, last]];
+        (0..4).any(|c| corners[c] && ends[c] == at)
+    }
 }
 
 impl Surplus {
@@ -64,6 +89,7 @@ impl Surplus {
             samples: Default::default(),
             phases: Default::default(),
             found: Default::default(),
+            cells: Vec::new(),
         }
     }
 
@@ -71,7 +97,7 @@ impl Surplus {
     pub(super) fn grid(
         &mut self,
         metric: &Metric<'_>,
-        log: u32,
+        (log, shape): (u32, Shape),
         points: &mut Grid3,
         normals: &Grid3,
     ) {
@@ -79,7 +105,50 @@ impl Surplus {
         self.found
             .iter_mut()
             .for_each(|f| f.resize(BEFORE[MAX_LOG as usize], 0.0));
+        let cells = first_cell(log).max(self.cells.len());
+        self.cells.resize(cells, 0.0);
         dispatch!(self.simd, self.steps(metric, points, normals));
+        if shape == Shape::Triangle {
+            self.halve();
+        }
+    }
+
+    /// Cells on the diagonal of a triangle are half.
+    fn halve(&mut self) {
+        for k in 0..self.log {
+            let (n, size) = (1 << k, plane(k));
+            for x in 0..n {
+                let u = BEFORE[k as usize] + x * (n + 1) + x;
+                let (v, d) = (u + size, u + 2 * size);
+                self.cells[first_cell(k) + x * n + x] = self.worst([u, v + 1, d].into_iter());
+            }
+        }
+    }
+
+    /// What step `k` adds to its cells, whole squares.
+    #[inline(always)]
+    fn gather_cells(&mut self, k: u32) {
+        let (n, row, size) = (1_usize << k, (1_usize << k) + 1, plane(k));
+        let (first, at) = (BEFORE[k as usize], first_cell(k));
+        for y in 0..n {
+            let out = &mut self.cells[at + y * n..at + (y + 1) * n];
+            let edges = |c: usize| {
+                let f = &self.found[c];
+                let u = first + y * row;
+                let (v, d) = (u + size, u + 2 * size);
+                [u, u + row, v, v + 1, d].map(|from| &f[from..from + n])
+            };
+            let ([fa, fb, fc, fd, fe], [ba, bb, bc, bd, be], [la, lb, lc, ld, le]) =
+                (edges(0), edges(1), edges(2));
+            for x in 0..n {
+                let most = |a: f32, b: f32, c: f32, d: f32, e: f32| a.max(b).max(c.max(d)).max(e);
+                let far = most(fa[x], fb[x], fc[x], fd[x], fe[x]);
+                let bend = most(ba[x], bb[x], bc[x], bd[x], be[x]);
+                let length = most(la[x], lb[x], lc[x], ld[x], le[x]);
+                // As in `worst`.
+                out[x] = if length > DOT { far.max(bend) } else { far };
+            }
+        }
     }
 
     /// Step by step from the finest.
@@ -106,6 +175,7 @@ impl Surplus {
                 metric.surpluses(middle, even, *next, found);
             }
             std::mem::swap(&mut self.samples, &mut self.phases[0]);
+            self.gather_cells(k);
         }
     }
 
@@ -159,8 +229,7 @@ impl Surplus {
             b = b.max(bend[k]);
             l = l.max(length[k]);
         }
-        // What is smaller than a pixel has no normals of its own to be seen.
-        if l > 1.0 { f.max(b) } else { f }
+        if l > DOT { f.max(b) } else { f }
     }
 
     /// What step `k` adds to segment `i` of the `2^k` of a line.
@@ -182,17 +251,8 @@ impl Surplus {
     }
 
     /// What step `k` adds to cell (`x`, `y`) of the `2^k` by `2^k` of a square.
-    fn of_cell(&self, shape: Shape, k: u32, [x, y]: [u32; 2]) -> f32 {
-        let n = 1_usize << k;
-        let (x, y) = (x as usize, y as usize);
-        let (row, size) = (n + 1, plane(k));
-        let u = BEFORE[k as usize] + y * row + x;
-        let (v, d) = (u + size, u + 2 * size);
-        if shape == Shape::Triangle && x == y {
-            self.worst([u, v + 1, d].into_iter())
-        } else {
-            self.worst([u, u + row, v, v + 1, d].into_iter())
-        }
+    fn of_cell(&self, k: u32, [x, y]: [u32; 2]) -> f32 {
+        self.cells[first_cell(k) + ((y as usize) << k) + x as usize]
     }
 
     /// How many samples along a side a square asks for, as a power of two, if every step leaves a quarter of the one before.
@@ -202,7 +262,7 @@ impl Surplus {
         };
         let cells = (0..1_u32 << (2 * k)).map(|c| [c & ((1 << k) - 1), c >> k]);
         let cells = cells.filter(|[x, y]| square.shape == Shape::Square || y <= x);
-        let mut left = cells.fold(0.0_f32, |m, c| m.max(self.of_cell(square.shape, k, c)));
+        let mut left = cells.fold(0.0_f32, |m, c| m.max(self.of_cell(k, c)));
         let mut log = self.log;
         while left > 1.0 && log < MAX_LOG {
             (left, log) = (left * 0.25, log + 1);
@@ -215,28 +275,31 @@ impl Surplus {
         let shape = square.shape;
         if k >= self.log {
             // No samples inside: what the cell twice as large leaves. At an irregular vertex, where parameters run unevenly, that is nearly
-            // all of it at a high valence.
-            let last = (1 << k) - 1;
-            let ends = [[0, 0], [last, 0], [last, last], [0, last]];
-            let corner = ends.iter().position(|&end| end == at);
-            let left = match corner.is_some_and(|c| square.corners[c]) {
+            // all of it at a high valence; at any corner of a face there may be a feature that the samples do not know.
+            let left = match square.is_at(square.corners, k, at) {
                 true => 1.0,
                 false => LEFT,
             };
-            return k > 0 && self.of_cell(shape, k - 1, at.map(|c| c / 2)) * left > 1.0;
+            return k > 0 && self.of_cell(k - 1, at.map(|c| c / 2)) * left > 1.0;
         }
-        let own = self.of_cell(shape, k, at);
+        let mut own = self.of_cell(k, at);
         if own > 1.0 {
             return true;
         }
+        let irregular = square.is_at(square.irregular, k, at);
         if k + 1 == self.log {
-            return false;
+            // What the next step adds is as much again there.
+            return irregular && 2.0 * own > 1.0;
         }
         let half = shape == Shape::Triangle && at[0] == at[1];
         let children = [[0, 0], [1, 0], [1, 1], [0, 1]];
         let children = children.iter().take(if half { 3 } else { 4 });
-        let next = children.map(|c| self.of_cell(shape, k + 1, [0, 1].map(|i| 2 * at[i] + c[i])));
-        0.5 * own + next.fold(0.0, f32::max) > 1.0
+        let next = children.map(|c| self.of_cell(k + 1, [0, 1].map(|i| 2 * at[i] + c[i])));
+        let mut next = next.fold(0.0, f32::max);
+        if irregular {
+            (own, next) = (own * UNEVEN, next * UNEVEN);
+        }
+        0.5 * own + next > 1.0
     }
 }
 
