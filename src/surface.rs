@@ -416,12 +416,16 @@ impl Surface {
         self.tables.is_some()
     }
 
-    /// At which corners of face `q` the surface is no spline. Features are not looked for.
+    /// Whether the inside of a face evaluates its rim as well, normals included, if not to the bits of its sides: where nothing but splines is
+    /// drawn.
+    pub(crate) fn has_rims_inside(&self) -> bool {
+        !self.has_tables() && self.patches.is_none() && self.displacement().is_none()
+    }
+
+    /// At which corners of face `q` the surface is no spline. Features are not looked for; interpolating surfaces, which are splines nowhere,
+    /// have none that stand out.
     pub(crate) fn irregular_corners(&self, q: u32) -> [bool; 4] {
-        if self.has_tables() {
-            return [true; 4];
-        }
-        if self.patches.is_some() || self.linear {
+        if self.has_tables() || self.patches.is_some() || self.linear {
             return [false; 4];
         }
         let t = self.quads();

@@ -537,7 +537,8 @@ impl QuadPatch {
             && match self.points.by {
                 By::Quad => self.points.quad.has_plain_sides(),
                 By::Triangle => self.points.triangle.has_plain_sides(),
-                By::Table | By::Patches => true,
+                By::Table => false,
+                By::Patches => true,
             }
     }
 

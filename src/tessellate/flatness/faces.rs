@@ -268,15 +268,16 @@ impl<'a> Worker<'a> {
         let level = depth + log;
         if self.prepared.is_none_or(|(have, _)| have < level) {
             // Sides by their own rule are wanted only where they are sampled.
-            let sides = match self.surface.displacement() {
-                None => Sides::None,
-                Some(_) => Sides::Normals,
+            let sides = match self.surface.has_rims_inside() {
+                true => Sides::None,
+                false => Sides::Normals,
             };
             let level = self.metric.reach.prepared(level);
             self.patch
                 .prepare_points(self.surface, q, level, None, sides);
             self.prepared = Some((level, sides));
-            if !self.patch.has_plain_sides() {
+            // What control levels below hold is not known before; tables have it everywhere alike.
+            if !self.patch.has_plain_sides() && !self.metric.reach.always {
                 self.irregular = [true; 4];
             }
         }
