@@ -12,7 +12,7 @@ use crate::surface::Surface;
 use crate::tessellate::Flatness;
 use rayon::prelude::*;
 
-/// Largest distances of one view.
+/// Largest distances of one view, of what is in its picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
     /// Micro-triangles with an area.
@@ -70,6 +70,23 @@ impl Renderer {
         steps: u32,
         every: u32,
     ) -> Result<Deviation, RenderError> {
+        let all = self.deviations(scene, view, steps, every)?;
+        let mut sum = Deviation::default();
+        all.iter().for_each(|(_, d)| sum.add(d));
+        Ok(sum)
+    }
+
+    /// The same of every block by itself, with the object and the quad of its surface that it is of.
+    ///
+    /// # Errors
+    /// As [`Renderer::render_view`].
+    pub fn deviations(
+        &self,
+        scene: &Scene,
+        view: &View,
+        steps: u32,
+        every: u32,
+    ) -> Result<Vec<((u32, u32), Deviation)>, RenderError> {
         let cap = match self.refinement {
             super::Refinement::Adaptive(Flatness { max_level, .. })
             | super::Refinement::Default { max_level } => max_level,
@@ -85,10 +102,8 @@ impl Renderer {
                 },
                 |worker, item| worker.item(frame, item, steps, [cap, every]),
             );
-            let all: Vec<Deviation> = all.collect();
-            let mut sum = Deviation::default();
-            all.iter().for_each(|d| sum.add(d));
-            Ok(sum)
+            let all: Vec<Vec<((u32, u32), Deviation)>> = all.collect();
+            Ok(all.into_iter().flatten().collect())
         })
     }
 }
@@ -165,19 +180,22 @@ impl Worker {
         item: u32,
         steps: u32,
         [cap, every]: [u32; 2],
-    ) -> Deviation {
-        let mut out = Deviation::default();
+    ) -> Vec<((u32, u32), Deviation)> {
+        let mut found = Vec::new();
         let source = frame.source_of(item);
         let local = item - source.first_item;
         if !source.is_drawn(local) {
-            return out;
+            return found;
         }
+        let object = frame.sources.iter().position(|s| std::ptr::eq(s, source));
+        let object = object.unwrap_or(0) as u32;
         let capped = source.level(local) >= cap;
         let [nu, nv] = source.blocks(local);
         for block in (0..nu * nv).map(|b| [b % nu, b / nu]) {
             if !source.places(local, block).0.is_multiple_of(every) {
                 continue;
             }
+            let mut out = Deviation::default();
             let a = Some(&mut self.attributes);
             source.dice(&mut self.scratch, local, block, &mut self.points, a);
             let size = source.block_size(local);
@@ -221,12 +239,13 @@ impl Worker {
                     }
                 }
             }
+            if capped {
+                out.capped = out.pixels;
+                out.pixels = 0.0;
+            }
+            found.push(((object, quad), out));
         }
-        if capped {
-            out.capped = out.pixels;
-            out.pixels = 0.0;
-        }
-        out
+        found
     }
 }
 
@@ -307,6 +326,12 @@ impl Triangle {
                     sum.clamp(0.0, 1.0)
                 });
                 let (p, n) = (mix(self.points), mix(self.normals));
+                // What is not in the picture may be as it likes.
+                let half = [view.size.width, view.size.height].map(|n| 0.5 * n as f32);
+                let in_picture = |p: [f32; 2]| p[0].abs() <= half[0] && p[1].abs() <= half[1];
+                if !screen(p).is_some_and(in_picture) {
+                    continue;
+                }
                 let Some(sample) = limit(u, v) else {
                     continue;
                 };

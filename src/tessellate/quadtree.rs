@@ -3,7 +3,7 @@
 //!
 //! Squares at a line inside of the face show the points of the coarser of the two. So that what moves stays within its square and triangles
 //! beside the line are not drawn out, levels of neighbours differ by one at most, and the corners of a square are points of its neighbours
-//! ([`Quadtree::balance`]). Along sides of the face the points are those of the edge's tree.
+//! ([`Quadtree::balance`]). Squares out of the picture need nothing, and have all points of neighbours that are in it. Along sides of the face the points are those of the edge's tree.
 
 use super::tree::{Splits, Tree};
 use crate::dice::MAX_LEVEL;
@@ -51,6 +51,8 @@ pub(super) struct Node {
     level: u8,
     /// Column and row among the `2^depth` by `2^depth` squares.
     place: [u16; 2],
+    /// Whether nothing of it can be in the picture.
+    hidden: bool,
     /// First of four children, 0 for a leaf, or [`VOID`].
     children: u32,
 }
@@ -77,6 +79,7 @@ impl Node {
         need: 0,
         level: 0,
         place: [0, 0],
+        hidden: false,
         children: 0,
     };
 
@@ -184,6 +187,13 @@ impl Quadtree {
         self.nodes[node].level = level as u8;
     }
 
+    /// Says that nothing of a leaf can be in the picture: it needs nothing.
+    pub(super) fn hide(&mut self, node: usize) {
+        let depth = self.nodes[node].depth();
+        self.set_need(node, depth);
+        self.nodes[node].hidden = true;
+    }
+
     /// Splits a leaf into four that need the same.
     pub(super) fn split(&mut self, node: usize) -> usize {
         let parent = self.nodes[node];
@@ -197,6 +207,7 @@ impl Quadtree {
                 need: parent.need.max(depth),
                 level: parent.need.max(depth),
                 place: [2 * x + (k & 1), 2 * y + (k >> 1)],
+                hidden: parent.hidden,
                 children: if void { VOID } else { 0 },
             });
         }
@@ -271,9 +282,11 @@ impl Quadtree {
                 level = level.max(side.deepest(node.depth(), segment));
             } else if let Some(beyond) = Self::beyond(node, c) {
                 self.overlapping(0, beyond, &mut |other| {
+                    // What is hidden must not take points from what is not: that is measured with all of its own.
+                    let less = u32::from(other.hidden || !node.hidden);
                     level = level
                         .max(other.depth())
-                        .max(other.level().saturating_sub(1));
+                        .max(other.level().saturating_sub(less));
                 });
             }
         }

@@ -67,7 +67,7 @@ pub(super) fn needs(
         },
     )?;
     let drawn: Vec<bool> = plans.iter().map(Option::is_some).collect();
-    // An edge asks both of its faces, whichever is drawn: what is outside of the picture must not change what is inside.
+    // The first face of an edge samples it for the other as well.
     let near = |q: usize| {
         let mut sides = quads.face_halves(q as u32).flat_map(|h| halves(quads, h));
         drawn[q] || sides.any(|h| drawn[quads.face_of(h) as usize])
@@ -75,7 +75,7 @@ pub(super) fn needs(
     let parts: Vec<(Part, Own)> = (0..faces.div_ceil(CHUNK))
         .into_par_iter()
         .map_init(
-            || Worker::new(surface, metric, simd),
+            || Worker::new(surface, metric, simd, &is_drawn),
             |worker, k| {
                 limits.check()?;
                 let (mut out, mut own) = (Part::default(), Own::new());
@@ -135,9 +135,10 @@ fn table_box(patch: &QuadPatch, reach: u32, out: &mut Vec<[f32; 3]>) {
 }
 
 /// Buffers of one thread.
-struct Worker<'a> {
+struct Worker<'a, F> {
     surface: &'a Surface,
     metric: &'a Metric<'a>,
+    is_drawn: &'a F,
     patch: QuadPatch,
     /// Level and sides that the face is prepared for.
     prepared: Option<(u32, Sides)>,
@@ -146,12 +147,18 @@ struct Worker<'a> {
     tree: Quadtree,
     surplus: Surplus,
     levels: Levels,
+    /// Sides of the picture that samples are beyond, row by row, and points of a hull.
+    outside: Vec<u8>,
+    hull: Vec<[f32; 3]>,
     lines: Lines,
     /// Whether nothing of the face has to be sampled.
     is_flat: bool,
     /// Which of its corners are irregular.
     irregular: [bool; 4],
 }
+
+/// Mark of a square that cannot be in the picture, beside its level.
+const HIDDEN: u8 = 0x80;
 
 /// Levels below a sampled square that its parts need, depth by depth.
 #[derive(Default)]
@@ -162,7 +169,22 @@ impl Levels {
         ((4_usize.pow(depth) - 1) / 3) + ((y as usize) << depth) + x as usize
     }
     fn get(&self, depth: u32, x: u32, y: u32) -> u32 {
-        u32::from(self.0[Self::index(depth, x, y)])
+        u32::from(self.0[Self::index(depth, x, y)] & !HIDDEN)
+    }
+    fn set(&mut self, [depth, x, y]: [u32; 3], value: u8) {
+        let at = Self::index(depth, x, y);
+        if self.0.len() <= at {
+            self.0.resize(at + 1, 0);
+        }
+        self.0[at] = value;
+    }
+    /// Says that a square cannot be in the picture.
+    fn hide(&mut self, at: [u32; 3]) {
+        self.set(at, at[0] as u8 | HIDDEN);
+    }
+    fn is_hidden(&self, [depth, x, y]: [u32; 3]) -> bool {
+        let value = self.0.get(Self::index(depth, x, y));
+        value.is_some_and(|v| v & HIDDEN != 0)
     }
 
     /// Children of square (`x`, `y`) that are not void.
@@ -173,6 +195,9 @@ impl Levels {
 
     /// Finds what a square of the samples needs; `cap` is what it may have.
     fn find(&mut self, s: &Sampled, surplus: &Surplus, cap: u32, [depth, x, y]: [u32; 3]) -> u32 {
+        if self.is_hidden([depth, x, y]) {
+            return depth;
+        }
         let need = if depth >= cap || !surplus.is_far(s, depth, [x, y]) {
             depth
         } else if depth >= s.log {
@@ -184,11 +209,7 @@ impl Levels {
             }
             need
         };
-        let at = Self::index(depth, x, y);
-        if self.0.len() <= at {
-            self.0.resize(at + 1, 0);
-        }
-        self.0[at] = need as u8;
+        self.set([depth, x, y], need as u8);
         need
     }
 
@@ -210,11 +231,12 @@ impl Levels {
     }
 }
 
-impl<'a> Worker<'a> {
-    fn new(surface: &'a Surface, metric: &'a Metric<'a>, simd: Level) -> Self {
+impl<'a, F: Fn(u32, &mut Vec<[f32; 3]>) -> bool> Worker<'a, F> {
+    fn new(surface: &'a Surface, metric: &'a Metric<'a>, simd: Level, is_drawn: &'a F) -> Self {
         Self {
             surface,
             metric,
+            is_drawn,
             patch: QuadPatch::for_level(simd),
             prepared: None,
             points: Grid3::boxed(),
@@ -222,26 +244,31 @@ impl<'a> Worker<'a> {
             tree: Quadtree::new(Shape::of(surface), metric.reach.squares),
             surplus: Surplus::new(simd),
             levels: Levels::default(),
+            outside: Vec::new(),
+            hull: Vec::new(),
             lines: Lines::default(),
             is_flat: false,
             irregular: [true; 4],
         }
     }
 
-    /// Leaves in `tree` what face `q` needs; `log` is how many samples to begin with, if that is known.
+    /// Leaves in `tree` what face `q` needs; `log` is how many samples to begin with, and none for a face that is not drawn.
     fn face(&mut self, q: u32, log: Option<u32>) {
         self.tree.clear();
         self.prepared = None;
-        let log = log.unwrap_or_else(|| {
-            let level = self.metric.reach.level;
-            self.patch
-                .prepare_points(self.surface, q, level, None, Sides::Hull);
-            first_log(self.metric, self.patch.spline().as_ref())
-        });
-        self.is_flat = log == FLAT;
-        if !self.is_flat {
-            self.irregular = self.surface.irregular_corners(q);
-            self.grow(q, 0, log);
+        self.is_flat = log == Some(FLAT);
+        match log {
+            Some(FLAT) => {}
+            Some(log) => {
+                self.irregular = self.surface.irregular_corners(q);
+                self.grow(q, 0, log);
+            }
+            None => {
+                self.tree.hide(0);
+                let level = self.metric.reach.level;
+                self.patch
+                    .prepare_points(self.surface, q, level, None, Sides::Hull);
+            }
         }
     }
 
@@ -307,6 +334,12 @@ impl<'a> Worker<'a> {
         let cap = self.metric.max_level.saturating_sub(depth);
         let mut levels = std::mem::take(&mut self.levels);
         levels.0.clear();
+        self.find_hidden(q, (part, shape), &mut levels);
+        if levels.is_hidden([0; 3]) {
+            self.levels = levels;
+            self.tree.hide(node);
+            return;
+        }
         let need = levels.find(&sampled, &self.surplus, cap, [0, 0, 0]);
         // A few samples tell enough of what needs next to nothing.
         let promising = match hides {
@@ -339,6 +372,58 @@ impl<'a> Worker<'a> {
         }
     }
 
+    /// Says which squares of the samples cannot be in the picture: beyond one of its sides by their points, and by their hulls.
+    fn find_hidden(&mut self, q: u32, (part, shape): (Square, Shape), levels: &mut Levels) {
+        // Tables have no hulls of parts.
+        if self.metric.reach.always {
+            return;
+        }
+        let side = part.segments as usize + 1;
+        let size = BlockSize {
+            cols: side,
+            rows: side,
+        };
+        self.outside.clear();
+        let points = size.indices().map(|k| self.points.at(k));
+        self.outside.extend(points.map(|p| self.metric.outside(p)));
+        if self.outside.iter().any(|&o| o != 0) {
+            self.hide_square(q, (part, shape), levels, [0; 3]);
+        }
+    }
+
+    /// The same of square (`x`, `y`) at `depth`, and those in it.
+    fn hide_square(
+        &mut self,
+        q: u32,
+        (part, shape): (Square, Shape),
+        levels: &mut Levels,
+        [depth, x, y]: [u32; 3],
+    ) {
+        let size = part.segments >> depth;
+        let [column, row] = [x, y].map(|k| (k * size) as usize);
+        let (side, n) = (part.segments as usize + 1, size as usize);
+        let rows = self.outside.chunks_exact(side).skip(row).take(n + 1);
+        let points = rows.flat_map(|r| &r[column..=column + n]);
+        let (all, any) = points.fold((u8::MAX, 0), |(all, any), &o| (all & o, any | o));
+        if all != 0 {
+            let square = Square {
+                level: part.level,
+                start: [part.start[0] + x * size, part.start[1] + y * size],
+                segments: size,
+            };
+            self.hull.clear();
+            self.patch.part_hull(square, |p| self.hull.push(p));
+            if !(self.is_drawn)(q, &mut self.hull) {
+                return levels.hide([depth, x, y]);
+            }
+        }
+        if any != 0 && depth < RESAMPLED && size > 1 {
+            for [x, y] in Levels::children(shape, x, y) {
+                self.hide_square(q, (part, shape), levels, [depth + 1, x, y]);
+            }
+        }
+    }
+
     /// Whether the displaced surface may leave its samples unseen by more than is allowed.
     fn hides(&self, part: Square) -> bool {
         let height = self.patch.hidden(self.surface, part, &self.points);
@@ -363,7 +448,10 @@ impl<'a> Worker<'a> {
         let smallest = own >= self.tree.deepest;
         if need < DEEPER && (smallest || needs.cost(s, depth, x, y) >= needs.whole(s, depth, x, y))
         {
-            self.tree.set_need(node, own + (need - depth));
+            match needs.is_hidden([depth, x, y]) {
+                true => self.tree.hide(node),
+                false => self.tree.set_need(node, own + (need - depth)),
+            }
             return;
         }
         // The smallest squares are sampled as deep as can be.

@@ -89,6 +89,20 @@ impl<'a> Metric<'a> {
         near + (self.view.distance(p) - near).abs()
     }
 
+    /// Sides of the picture that a point is beyond, as the eye sees it: one bit for each, and one for the near plane.
+    #[inline(always)]
+    pub(super) fn outside(&self, [x, y, z]: [f32; 3]) -> u8 {
+        let v = self.view;
+        let half = [v.size.width, v.size.height].map(|n| 0.5 * n as f32 / v.scale);
+        let z = if v.projection.ortho { 1.0 } else { z };
+        let [w, h] = half.map(|k| k * z);
+        u8::from(x > w)
+            | u8::from(x < -w) << 1
+            | u8::from(y > h) << 2
+            | u8::from(y < -h) << 3
+            | u8::from(z < v.near) << 4
+    }
+
     /// Of a height that may stand anywhere on a surface whose nearest point is at depth `nearest`, by what is allowed.
     pub(super) fn height(&self, height: f32, nearest: f32) -> f32 {
         let pixels = match self.view.projection.ortho {
