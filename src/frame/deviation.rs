@@ -27,6 +27,15 @@ pub struct Deviation {
     pub squares: (f64, u64),
 }
 
+/// Distances of one block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockDeviation {
+    /// Object of the scene, and quad of its surface.
+    pub quad: (u32, u32),
+    /// The distances.
+    pub deviation: Deviation,
+}
+
 impl Deviation {
     fn add(&mut self, o: &Self) {
         self.triangles += o.triangles;
@@ -72,11 +81,11 @@ impl Renderer {
     ) -> Result<Deviation, RenderError> {
         let all = self.deviations(scene, view, steps, every)?;
         let mut sum = Deviation::default();
-        all.iter().for_each(|(_, d)| sum.add(d));
+        all.iter().for_each(|block| sum.add(&block.deviation));
         Ok(sum)
     }
 
-    /// The same of every block by itself, with the object and the quad of its surface that it is of.
+    /// The same of every block by itself.
     ///
     /// # Errors
     /// As [`Renderer::render_view`].
@@ -86,7 +95,7 @@ impl Renderer {
         view: &View,
         steps: u32,
         every: u32,
-    ) -> Result<Vec<((u32, u32), Deviation)>, RenderError> {
+    ) -> Result<Vec<BlockDeviation>, RenderError> {
         let cap = match self.refinement {
             super::Refinement::Adaptive(Flatness { max_level, .. })
             | super::Refinement::Default { max_level } => max_level,
@@ -102,7 +111,7 @@ impl Renderer {
                 },
                 |worker, item| worker.item(frame, item, steps, [cap, every]),
             );
-            let all: Vec<Vec<((u32, u32), Deviation)>> = all.collect();
+            let all: Vec<Vec<BlockDeviation>> = all.collect();
             Ok(all.into_iter().flatten().collect())
         })
     }
@@ -180,7 +189,7 @@ impl Worker {
         item: u32,
         steps: u32,
         [cap, every]: [u32; 2],
-    ) -> Vec<((u32, u32), Deviation)> {
+    ) -> Vec<BlockDeviation> {
         let mut found = Vec::new();
         let source = frame.source_of(item);
         let local = item - source.first_item;
@@ -243,7 +252,10 @@ impl Worker {
                 out.capped = out.pixels;
                 out.pixels = 0.0;
             }
-            found.push(((object, quad), out));
+            found.push(BlockDeviation {
+                quad: (object, quad),
+                deviation: out,
+            });
         }
         found
     }

@@ -273,8 +273,9 @@ fn grazing_ground_needs_few_triangles() {
             uniform.refinement = Refinement::Uniform(level);
             let all = uniform.deviations(&scene, &view, 4, 1).unwrap();
             let mut by_face: HashMap<u32, (f32, u64)> = HashMap::new();
-            for ((_, quad), d) in all {
-                let face = by_face.entry(quad).or_default();
+            for block in all {
+                let face = by_face.entry(block.quad.1).or_default();
+                let d = block.deviation;
                 *face = (face.0.max(d.pixels), face.1 + d.triangles);
             }
             missing.retain(|q| {
