@@ -3,7 +3,7 @@
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(2) var<storage, read> sums: array<vec4<f32>>;
-// The whole picture, a word per pixel.
+// The band of rows, a word per pixel.
 @group(0) @binding(3) var<storage, read_write> image: array<u32>;
 
 fn encode(linear: f32) -> u32 {
@@ -32,5 +32,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let alpha = u32(min(over.w, 1.0) * 255.0 + 0.5);
         bytes = encode(rgb.x) | (encode(rgb.y) << 8u) | (encode(rgb.z) << 16u) | (alpha << 24u);
     }
-    image[frame.band_start * frame.width + pixel] = bytes;
+    image[pixel] = bytes;
 }
