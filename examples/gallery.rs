@@ -1,8 +1,8 @@
 //! Pictures of what earmark draws, with a page to look at them: `cargo run --release --example gallery [FOLDER] [SIDE]`.
 //!
 //! `FOLDER` is `target/gallery` by default, `SIDE` the side of a picture in pixels, 480 by default. Below every picture stands the command
-//! that draws it. Models are those of `assets/`.
-#![allow(missing_docs, clippy::print_stdout)]
+//! that draws it, byte for byte. Models are those of `assets/`.
+#![allow(missing_docs, clippy::print_stdout, clippy::print_stderr)]
 
 use earmark::displace::{Displacement, Function};
 use earmark::film::Image;
@@ -68,7 +68,7 @@ impl Shot {
     }
     fn alone(mut self) -> Self {
         self.alone = true;
-        self.flag("--shade wireframe")
+        self.flag("--shade wireframe --background ffffff")
     }
     fn scheme(mut self, scheme: Scheme, name: &str) -> Self {
         self.load.surface.scheme = Some(scheme);
@@ -99,7 +99,10 @@ impl Shot {
             .join(self.model);
         let mut loader = Loader::new(self.load.clone());
         loader.add_file(&path)?;
-        let mut scene = loader.finish().0;
+        let (mut scene, warnings) = loader.finish();
+        for warning in warnings {
+            eprintln!("{warning}");
+        }
         if let Some((function, scale)) = self.noise {
             let function: Function = function.parse()?;
             for object in &mut scene.objects {
@@ -269,7 +272,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             also = format!(" <a href=\"{name}.svg\">SVG</a>");
         }
         let command = format!(
-            "earmark render assets/{} -o {name}.png {}",
+            "earmark render assets/{} -o {name}.png --size {side}x{side} {}",
             shot.model, shot.flags
         );
         writeln!(

@@ -2,7 +2,7 @@
 //!
 //! A kernel is one text: an `#[inline(always)]` function of plain loops over lane arrays, which the compiler vectorises.
 //! [`dispatch!`](crate::dispatch) compiles it once per level, inside a function with that level's instructions enabled, and calls
-//! the one chosen at run time. No level enables fused multiply-add, and a loop over lanes never sums across them, so every level
+//! the one chosen at run time. The compiler never fuses a multiplication with an addition on its own, and a loop over lanes never sums across them, so every level
 //! gives the same bits.
 //!
 //! What vectorises well: loops whose trip count is not a small constant, over slices cut to equal length beforehand
@@ -203,6 +203,7 @@ pub fn bits(lanes: &[i8; LANES]) -> u32 {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_mm_loadu_si128, _mm_movemask_epi8};
+        const { assert!(LANES == 16) }
         // SAFETY: every x86-64 has SSE2; the load is unaligned and of the array's 16 bytes.
         unsafe { _mm_movemask_epi8(_mm_loadu_si128(lanes.as_ptr().cast())) as u32 }
     }

@@ -123,5 +123,33 @@ fn gallery_writes_pictures_and_a_page() {
         path.extension().is_some_and(|e| e == "svg")
     });
     assert!(drawings.count() >= 4);
+    // The command below a picture draws it: of every fourth one, so that all topics have theirs, and of one with lines alone.
+    let commands: Vec<&str> = page
+        .split("<code>")
+        .skip(1)
+        .map(|rest| rest.split('<').next().unwrap())
+        .collect();
+    assert_eq!(commands.len(), pictures.len());
+    let pairs = commands.iter().zip(&pictures).enumerate();
+    let mut alone = 0;
+    for (_, (command, name)) in pairs.filter(|(k, _)| k % 4 == 1) {
+        let words = command.split_whitespace().skip(1);
+        let drawn = folder.join("again.png");
+        let words = words.map(|w| match w == *name {
+            true => drawn.to_str().unwrap(),
+            false => w,
+        });
+        let out = Command::new(env!("CARGO_BIN_EXE_earmark"))
+            .args(words)
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success(), "{command}: {said}");
+        let [shown, drawn] = [&folder.join(name), &drawn].map(|p| std::fs::read(p).unwrap());
+        assert!(shown == drawn, "{name} is not what this draws: {command}");
+        alone += usize::from(command.contains("--shade wireframe"));
+    }
+    assert!(alone > 0);
     std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -216,3 +216,26 @@ fn a_limit_of_file_sizes_is_an_error_and_leaves_the_old_file() {
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "old");
     assert_eq!(folder.names(), ["out.obj"]);
 }
+
+/// More pictures are accepted at once than files may be open.
+#[test]
+fn accepted_pictures_do_not_stay_open() {
+    let folder = Folder::new("many");
+    let (goldens, new) = (folder.path("goldens"), folder.path("new"));
+    for path in [&goldens, &new] {
+        std::fs::create_dir(path).unwrap();
+    }
+    let png = earmark::film::png::encode(&earmark::film::Image::new(2, 2)).unwrap();
+    for k in 0..100 {
+        std::fs::write(new.join(format!("{k}.png")), &png).unwrap();
+    }
+    let command = format!(
+        "ulimit -n 40; '{}' compare '{}' '{}' --accept",
+        env!("CARGO_BIN_EXE_earmark"),
+        goldens.display(),
+        new.display()
+    );
+    let result = Command::new("sh").args(["-c", &command]).output().unwrap();
+    assert_eq!(code(&result), 0, "{}", stderr(&result));
+    assert_eq!(std::fs::read_dir(&goldens).unwrap().count(), 100);
+}

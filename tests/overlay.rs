@@ -362,7 +362,14 @@ fn limits_stop_lines_before_memory_is_taken() {
     let view = small.view(&scene, &Camera::default()).unwrap();
     let options = Options::overlay(Layers::WIREFRAME);
     let error = overlay::trace(&small, &scene, &view, &options).unwrap_err();
-    assert!(error.to_string().contains("the limit is"), "{error}");
+    assert!(error.to_string().contains("the lines of"), "{error}");
+    // Those of the cage before any of them is there.
+    small.limits.max_memory = Some(10_000);
+    let options = Options::overlay(Layers::CAGE);
+    let error = overlay::trace(&small, &scene, &view, &options).unwrap_err();
+    let said = "the lines of the cage would take about ";
+    assert!(error.to_string().starts_with(said), "{error}");
+    let options = Options::overlay(Layers::WIREFRAME);
     small.limits.max_memory = None;
     small
         .limits

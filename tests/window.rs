@@ -55,10 +55,14 @@ impl Window {
     fn open(name: &str, arguments: &[&str]) -> Self {
         let folder = Folder::new(name);
         let display = Display::start(folder.path("display"));
+        let time: &[&str] = match arguments.contains(&"--timeout") {
+            true => &[],
+            false => &["--timeout", "300"],
+        };
         let mut program = earmark()
             .arg("view")
             .args(arguments)
-            .args(["--timeout", "300"])
+            .args(time)
             .current_dir(folder.path("display").parent().unwrap())
             .env("DISPLAY", &display.name)
             .env_remove("WAYLAND_DISPLAY")
@@ -154,6 +158,11 @@ impl Window {
     /// Ends the window by its key, and gives the code and what was said on standard error.
     fn quit(mut self) -> (i32, String) {
         self.tell("key q");
+        self.ended()
+    }
+
+    /// Waits for the end of the window, and gives the same.
+    fn ended(mut self) -> (i32, String) {
         let out = wait(&mut self.program);
         let mut said = String::new();
         if let Some(mut err) = self.program.stderr.take() {
@@ -430,6 +439,11 @@ fn signals_and_deadlines_close_the_window() {
     let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
     assert!(sent.success());
     assert_eq!(wait(&mut w.program), 130);
+    drop(w);
+    let w = Window::open("deadline", &[&model, "--timeout", "12"]);
+    let (code, said) = w.ended();
+    assert_eq!(code, 5, "{said}");
+    assert_eq!(said.trim_end(), "earmark: not done after 12 seconds");
 }
 
 /// Milliseconds from an event of the mouse to the first change on the display, and from the end of the drag to the full picture. Printed,

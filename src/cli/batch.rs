@@ -81,6 +81,15 @@ fn read(job: &Job, path: &Path) -> Result<Vec<Line>, Failure> {
         if arguments.first().is_some_and(|a| a == "batch") {
             return Err(wrong("a batch in a batch".into()));
         }
+        if arguments.first().is_some_and(|a| a == "view") {
+            return Err(wrong("a window in a batch".into()));
+        }
+        // It starts processes with the arguments of its own.
+        if arguments.iter().take(2).eq(["bench", "cold"]) {
+            return Err(wrong(
+                "bench cold in a batch: it is a program's start that it measures".into(),
+            ));
+        }
         out.push(Line {
             number: k + 1,
             arguments,

@@ -127,7 +127,12 @@ pub(super) fn cold(
         let wall = clock.elapsed().as_secs_f64() * 1e3;
         if !out.status.success() {
             let said = String::from_utf8_lossy(&out.stderr).trim().to_owned();
-            return Err(Failure::new(Code::Data, format!("render failed: {said}")));
+            let said = said.strip_prefix("earmark: ").unwrap_or(&said);
+            let code = Code::of_child(out.status);
+            return Err(Failure::new(
+                code,
+                format!("earmark: render failed: {said}"),
+            ));
         }
         let text = std::fs::read(&stats).map_err(failed)?;
         last = serde_json::from_slice(&text)

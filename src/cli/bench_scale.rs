@@ -1,8 +1,9 @@
 //! `earmark bench scale`: what a frame costs against triangles, threads and samples.
 
 use super::bench::{Arguments, Outcome, Row, push, summary};
-use super::exit::{Code, Failure};
-use super::job::Job;
+use super::draw;
+use super::exit::Failure;
+use super::job::{Job, pool_of};
 use super::stats::{Clock, Time};
 use earmark::dice::MAX_LEVEL;
 use earmark::frame::{Refinement, Renderer};
@@ -90,11 +91,6 @@ impl Suite<'_> {
     }
 }
 
-fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|e| Failure::new(Code::Limit, format!("earmark: {threads} threads: {e}")))
-}
-
 /// Measures all three; levels end at `--level` (default 9), or where a frame takes seconds.
 pub(super) fn scale(
     job: &Job,
@@ -102,10 +98,7 @@ pub(super) fn scale(
     scene: &Scene,
     curves: &mut Vec<Curve>,
 ) -> Result<Outcome, Failure> {
-    let mut camera = a.picture.camera();
-    if let Some(first) = scene.objects.first() {
-        camera = camera.relative_to(first.surface.cage().origin());
-    }
+    let camera = a.picture.camera().relative_to(draw::origin(scene));
     let mut renderer = a.picture.renderer(&a.level);
     renderer.limits = job.limits();
     renderer.refinement = Refinement::Uniform(0);
@@ -117,7 +110,7 @@ pub(super) fn scale(
         view: warm.view,
         rows: Vec::new(),
     };
-    let all = pool(job.threads)?;
+    let all = pool_of(job.threads)?;
     let highest = a.level.level.unwrap_or(9).min(MAX_LEVEL);
     let mut points = Vec::new();
     let mut triangles = 0;
@@ -139,7 +132,7 @@ pub(super) fn scale(
     let renderer = suite.renderer(LEVEL.min(highest), a.picture.samples);
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     for (threads, name) in THREADS.into_iter().filter(|t| t.0 <= 2 * processors) {
-        let (_, best) = suite.measure(name, &renderer, &pool(threads)?)?;
+        let (_, best) = suite.measure(name, &renderer, &pool_of(threads)?)?;
         points.push((threads as f64, best));
     }
     curves.push(Curve {

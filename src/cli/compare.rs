@@ -7,14 +7,13 @@ use super::stats::Json;
 use super::watch::{self, Phase};
 use clap::Args;
 use earmark::compare::{Comparison, Tolerance, difference};
-use earmark::files::{self, AtomicFile, FileError};
-use earmark::film::{DeepImage, ReadError, png};
-use earmark::golden::{Folders, FoldersError, Page, Pictures, Shown, Verdict, judge};
+use earmark::files;
+use earmark::film::png;
+use earmark::golden::{
+    Folders, FoldersError, Page, PictureError, Pictures, Shown, Verdict, judge, read_picture, stage,
+};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-
-/// Bytes per pixel of a comparison: two pictures of four 16-bit codes, one of them decoded once more, and the difference.
-const PIXEL_BYTES: u128 = 28;
 
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
@@ -133,16 +132,14 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Bytes of a PNG that is small enough to be compared.
-fn read(job: &Job, path: &Path) -> Result<(Vec<u8>, DeepImage), Failure> {
-    let damaged = |e: ReadError| Failure::new(Code::Data, format!("{}: {e}", path.display()));
-    let bytes = files::read_model(path, job.memory_left().unwrap_or(u64::MAX))?;
-    let [width, height] = png::size(&bytes).map_err(damaged)?;
-    let pixels = u128::from(width) * u128::from(height);
-    job.limits()
-        .memory("comparing pictures of this size", pixels * PIXEL_BYTES)?;
-    let picture = png::decode_deep(&bytes).map_err(damaged)?;
-    Ok((bytes, picture))
+impl From<PictureError> for Failure {
+    fn from(e: PictureError) -> Self {
+        match e {
+            PictureError::File(e) => e.into(),
+            PictureError::Limit(e) => e.into(),
+            damaged => Self::new(Code::Data, damaged.to_string()),
+        }
+    }
 }
 
 /// Two files.
@@ -153,13 +150,13 @@ fn pictures(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     let diff = a.output(a.compare.diff.as_ref(), "png")?;
     let report = a.output(a.compare.report.as_ref(), "html")?;
     watch::phase(Phase::Comparing);
-    let new = read(job, &a.new)?;
+    let new = read_picture(&a.new, &job.limits())?;
     if a.compare.accept && !a.golden.exists() {
-        let staged = stage(&a.golden, &new.0)?;
+        let staged = Staged::of(stage(&a.golden, &new.0)?);
         commit_all(vec![staged])?;
         return say(job, a, &Verdict::New, &[(a.golden.clone(), "new")]);
     }
-    let golden = read(job, &a.golden)?;
+    let golden = read_picture(&a.golden, &job.limits())?;
     job.limits().check()?;
     let verdict = judge(&golden.1, &new.1, &a.tolerance());
     let picture = match (diff.is_some() || report.is_some(), &verdict) {
@@ -187,7 +184,7 @@ fn pictures(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     }
     let mut done = Vec::new();
     if a.compare.accept && verdict.is_acceptable() {
-        staged.push(stage(&a.golden, &new.0)?);
+        staged.push(Staged::of(stage(&a.golden, &new.0)?));
         done.push((a.golden.clone(), "changed"));
     }
     commit_all(staged)?;
@@ -272,12 +269,6 @@ fn comparison_json(c: &Comparison) -> Vec<(String, Json)> {
         .collect()
 }
 
-fn stage(path: &Path, bytes: &[u8]) -> Result<Staged, FileError> {
-    let mut file = AtomicFile::create(path)?;
-    file.store(bytes)?;
-    Ok(Staged::of(file))
-}
-
 /// Two folders.
 fn folders(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     if a.compare.diff.is_some() {
@@ -295,7 +286,7 @@ fn folders(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     }
     let mut done: Vec<(String, &str)> = Vec::new();
     if a.compare.accept {
-        for (f, file) in found.accept()? {
+        for (f, file) in found.accept(&limits)? {
             staged.push(Staged::of(file));
             done.push((
                 f.name(),
@@ -319,8 +310,8 @@ fn folders(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     print_folders(job, a, &found, &done)?;
     let settled = |v: &Verdict| match v {
         Verdict::Dead => a.compare.accept,
-        Verdict::Unreadable(_) => false,
-        v => v.passes() || a.compare.accept,
+        // What was accepted is done.
+        v => v.passes(),
     };
     let unreadable = |v: &Verdict| matches!(v, Verdict::Unreadable(_));
     if let Some(f) = found

@@ -30,6 +30,21 @@ pub(crate) enum Code {
 }
 
 impl Code {
+    /// The code that a run of this program ended with, as another one's.
+    pub(crate) fn of_child(status: std::process::ExitStatus) -> Self {
+        let all = [
+            Self::Usage,
+            Self::Data,
+            Self::Io,
+            Self::Limit,
+            Self::Unavailable,
+        ];
+        let found = all
+            .into_iter()
+            .find(|c| status.code() == Some(c.number().into()));
+        found.unwrap_or(Self::Internal)
+    }
+
     pub(crate) fn number(self) -> u8 {
         match self {
             Self::Done => 0,
@@ -49,7 +64,7 @@ impl Code {
 pub(crate) const HELP: &str = "\
 Exit codes: 0 done; 1 compare found a difference, or jobs of a batch failed; 2 usage; 3 bad input data; 4 input or output; 5 a limit was \
 reached (time, memory, faces); 6 SIMD level, GPU or display not available; 70 internal error, a defect; 128+N ended by signal N. On any code \
-but 0 and 1 no output file appears and existing ones stay; numbered frames that are done stay.";
+but 0 and 1 no output file appears and existing ones stay; numbered frames that are done stay, and of compared folders reports and accepted pictures.";
 
 /// Why the program ends without having done its work.
 #[derive(Debug)]

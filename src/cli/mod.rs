@@ -181,9 +181,20 @@ fn run(start: Instant, cli: &Cli) -> Result<(), Failure> {
     pool.install(|| cli.verb.run(&mut job))
 }
 
-/// Turns a panic, which is a defect, into a failure with a message that can be reported.
+/// What the last panic said, and where it was.
+static PLACE: Mutex<String> = Mutex::new(String::new());
+
+/// The failure that a panic is: a defect, with a message that can be reported.
+fn internal() -> Failure {
+    let place = PLACE.lock().map(|p| p.clone()).unwrap_or_default();
+    Failure::new(
+        Code::Internal,
+        format!("earmark: internal error, please report it: {place}"),
+    )
+}
+
+/// Turns a panic into a failure.
 fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
-    static PLACE: Mutex<String> = Mutex::new(String::new());
     std::panic::set_hook(Box::new(|info| {
         if let Ok(mut place) = PLACE.lock() {
             let what = info.payload();
@@ -197,16 +208,7 @@ fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
             *place = what.unwrap_or_default() + &at.unwrap_or_default();
         }
     }));
-    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)) {
-        Ok(result) => result,
-        Err(_) => {
-            let place = PLACE.lock().map(|p| p.clone()).unwrap_or_default();
-            Err(Failure::new(
-                Code::Internal,
-                format!("earmark: internal error, please report it: {place}"),
-            ))
-        }
-    }
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|_| Err(internal()))
 }
 
 /// Arguments, or the code to end with after help or a usage error has been printed.

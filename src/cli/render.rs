@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// Largest file of a picture given by `--color-map`, and most bytes it may take decoded.
 const COLOR_MAP: u64 = 512 << 20;
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct Arguments {
     /// Models (OBJ), drawn together; - is standard input
     #[arg(required = true, value_name = "MODEL")]

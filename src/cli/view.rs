@@ -81,7 +81,8 @@ fn open(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     use earmark::files;
     use earmark::window::{WindowError, run};
     let (studio, start) = studio::Viewer::open(job, a)?;
-    run(studio, &start).map_err(|e| match e {
+    let run = run(studio, &start).inspect_err(|_| files::abandon_outputs());
+    run.map_err(|e| match e {
         WindowError::Display(_) => Failure::new(
             Code::Unavailable,
             format!(

@@ -6,7 +6,7 @@ use super::job::Job;
 use super::render::{self, Arguments, Drawn};
 use clap::ValueEnum;
 use earmark::frame::FrameStats;
-use earmark::sheet::{Picture, SheetError, SheetStyle, contact_sheet};
+use earmark::sheet::{Picture, SheetStyle, contact_sheet};
 use std::path::Path;
 
 /// A side to look from.
@@ -98,10 +98,7 @@ pub(crate) fn draw(job: &mut Job, a: &Arguments) -> Result<Drawn, Failure> {
             draw::warn_empty();
         }
     }
-    let image = contact_sheet(&pictures, &style(a)).map_err(|e| match e {
-        SheetError::TooLarge { .. } => Failure::usage(e.to_string()),
-        e => Failure::usage(e.to_string()),
-    })?;
+    let image = contact_sheet(&pictures, &style(a)).map_err(|e| Failure::usage(e.to_string()))?;
     Ok(Drawn {
         image,
         lines: None,

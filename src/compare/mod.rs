@@ -31,8 +31,9 @@ pub struct Tolerance {
 /// alpha count like any others. Where one picture has 8 bits and the other 16, the codes of the first count 257-fold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// `histogram[d]` pixels have delta `d`; 256 entries, or 65536.
-    histogram: Vec<u64>,
+    /// Deltas that there are, ascending, with the number of pixels that have each.
+    deltas: Vec<(u16, u64)>,
+    full_delta: u16,
     visible: u64,
     farthest: f32,
     worst: [u32; 2],
@@ -43,7 +44,7 @@ impl Comparison {
     /// Pixels of each picture.
     #[must_use]
     pub fn pixels(&self) -> u64 {
-        self.histogram.iter().sum()
+        self.deltas.iter().map(|&(_, n)| n).sum()
     }
     /// Pixels that are not equal in all channels.
     #[must_use]
@@ -53,18 +54,18 @@ impl Comparison {
     /// The largest delta.
     #[must_use]
     pub fn max_delta(&self) -> u16 {
-        self.histogram.iter().rposition(|&n| n > 0).unwrap_or(0) as u16
+        self.deltas.last().map_or(0, |&(delta, _)| delta)
     }
     /// The largest delta that there could be: 255 or 65535.
     #[must_use]
     pub fn full_delta(&self) -> u16 {
-        (self.histogram.len() - 1) as u16
+        self.full_delta
     }
     /// Pixels whose delta is above a threshold.
     #[must_use]
     pub fn exceeding(&self, threshold: u16) -> u64 {
-        let above = self.histogram.get(usize::from(threshold) + 1..);
-        above.unwrap_or_default().iter().sum()
+        let first = self.deltas.partition_point(|&(d, _)| d <= threshold);
+        self.deltas[first..].iter().map(|&(_, n)| n).sum()
     }
     /// Thresholds 0, 1, 2, 4, 8 and so on, with the pixels above each, up to the first that none is above.
     #[must_use]
@@ -151,8 +152,10 @@ impl fmt::Display for Comparison {
 /// [`SizeMismatch`].
 pub fn compare(a: &DeepImage, b: &DeepImage) -> Result<Comparison, SizeMismatch> {
     let codes = if a.bits.max(b.bits) > 8 { 65536 } else { 256 };
+    let mut histogram = vec![0; codes];
     let mut out = Comparison {
-        histogram: vec![0; codes],
+        deltas: Vec::new(),
+        full_delta: (codes - 1) as u16,
         visible: 0,
         farthest: 0.0,
         worst: [0; 2],
@@ -162,7 +165,7 @@ pub fn compare(a: &DeepImage, b: &DeepImage) -> Result<Comparison, SizeMismatch>
     let width = a.width.max(1) as usize;
     for (k, (p, q)) in pairs(a, b)?.enumerate() {
         let delta = delta(p, q);
-        out.histogram[usize::from(delta)] += 1;
+        histogram[usize::from(delta)] += 1;
         if delta == 0 {
             continue;
         }
@@ -178,6 +181,8 @@ pub fn compare(a: &DeepImage, b: &DeepImage) -> Result<Comparison, SizeMismatch>
         out.farthest = out.farthest.max(seen);
         out.visible += u64::from(seen > NOTICEABLE);
     }
+    let counted = (0..=out.full_delta).zip(histogram);
+    out.deltas = counted.filter(|&(_, n)| n > 0).collect();
     Ok(out)
 }
 
@@ -199,11 +204,15 @@ fn pairs(
         });
     }
     let bits = a.bits.max(b.bits);
-    let scale = |i: &DeepImage| if i.bits < bits { 257 } else { 1 };
-    let (ka, kb) = (scale(a), scale(b));
+    // Codes above those of its bits count as the largest, as they do in files.
+    let scale = |i: &DeepImage| {
+        let most = if i.bits > 8 { u16::MAX } else { 255 };
+        (most, if i.bits < bits { 257 } else { 1 })
+    };
+    let ((ma, ka), (mb, kb)) = (scale(a), scale(b));
     let (a, b) = (a.data.as_chunks::<4>().0, b.data.as_chunks::<4>().0);
     let both = a.iter().zip(b);
-    Ok(both.map(move |(p, q)| (p.map(|c| c * ka), q.map(|c| c * kb))))
+    Ok(both.map(move |(p, q)| (p.map(|c| c.min(ma) * ka), q.map(|c| c.min(mb) * kb))))
 }
 
 #[cfg(test)]
@@ -275,6 +284,17 @@ mod tests {
         let c = compare(&deep, &shallow).expect("same size");
         assert_eq!(c.max_delta(), 65535);
         assert_eq!(c.sweep().last(), Some(&(32768, 1)));
+    }
+
+    #[test]
+    fn codes_beyond_the_bits_are_the_largest() {
+        let white = picture(&[[255; 4]]);
+        let beyond = DeepImage {
+            data: vec![999; 4],
+            ..white.clone()
+        };
+        let same = compare(&white, &beyond).expect("same size");
+        assert_eq!(same.differing(), 0);
     }
 
     #[test]

@@ -18,7 +18,8 @@ pub struct AtomicFile {
     target: PathBuf,
     /// The path as the caller gave it.
     named: PathBuf,
-    file: io::BufWriter<File>,
+    /// `None` once its bytes are stored: many outputs may wait for their renaming, and open files are few.
+    file: Option<io::BufWriter<File>>,
 }
 
 impl AtomicFile {
@@ -31,19 +32,18 @@ impl AtomicFile {
         let error = |what| FileError::new(path, what);
         let (target, existing) = target_of(path).map_err(error)?;
         let (temporary, file) = create_temporary(folder_of(&target)).map_err(error)?;
-        let output = Self {
+        // From here on the temporary file goes away with this value.
+        let mut output = Self {
             temporary: Some(temporary),
             target,
             named: path.to_owned(),
-            file: io::BufWriter::new(file),
+            file: None,
         };
         if let Some(existing) = existing {
-            output
-                .file
-                .get_ref()
-                .set_permissions(existing.permissions())
+            file.set_permissions(existing.permissions())
                 .map_err(|e| error(What::System(e)))?;
         }
+        output.file = Some(io::BufWriter::new(file));
         Ok(output)
     }
 
@@ -52,21 +52,30 @@ impl AtomicFile {
     /// # Errors
     /// [`FileError`] when they cannot be stored.
     pub fn sync(&mut self) -> Result<(), FileError> {
-        let stored = self
-            .file
-            .flush()
-            .and_then(|()| self.file.get_ref().sync_all());
+        let stored = self.put_on_disk();
         stored.map_err(|e| FileError::new(&self.named, What::System(e)))
     }
 
-    /// Writes bytes and puts them on disk.
+    fn put_on_disk(&mut self) -> io::Result<()> {
+        match &mut self.file {
+            Some(file) => {
+                file.flush()?;
+                file.get_ref().sync_all()
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the last bytes, puts all on disk and closes the file; nothing can be written any more.
     ///
     /// # Errors
     /// [`FileError`] when they cannot be stored.
     pub fn store(&mut self, bytes: &[u8]) -> Result<(), FileError> {
-        let written = self.file.write_all(bytes);
+        let written = self.write_all(bytes);
         written.map_err(|e| FileError::new(&self.named, What::System(e)))?;
-        self.sync()
+        self.sync()?;
+        self.file = None;
+        Ok(())
     }
 
     /// Makes the output appear, complete and on disk.
@@ -79,8 +88,7 @@ impl AtomicFile {
     }
 
     fn finish(&mut self) -> Result<(), What> {
-        self.file.flush().map_err(What::System)?;
-        self.file.get_ref().sync_all().map_err(What::System)?;
+        self.put_on_disk().map_err(What::System)?;
         // Something may have taken its place since; a rename would replace a device node, for those who may.
         target_of(&self.target)?;
         if let Some(temporary) = self.temporary.take() {
@@ -105,10 +113,13 @@ impl AtomicFile {
 
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        match &mut self.file {
+            Some(file) => file.write(bytes),
+            None => Err(io::Error::other("the output is stored already")),
+        }
     }
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+        self.file.as_mut().map_or(Ok(()), Write::flush)
     }
 }
 

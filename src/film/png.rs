@@ -100,7 +100,10 @@ pub fn encode_data(
         3 => ::png::ColorType::Rgb,
         _ => ::png::ColorType::Rgba,
     };
-    let wanted = width as usize * height as usize * color.samples() * (bits as usize / 8);
+    let wanted = (width as usize)
+        .checked_mul(height as usize)
+        .and_then(|n| n.checked_mul(color.samples() * (bits as usize / 8)))
+        .ok_or(WriteError::Size { width, height })?;
     if data.len() != wanted {
         let got = data.len();
         return Err(WriteError::WrongLength { got, wanted });
@@ -232,13 +235,15 @@ fn write(
 }
 
 /// Opens a PNG, unless it is damaged or needs more than 2 GiB.
-fn open(bytes: &[u8]) -> Result<PngDecoder<Cursor<&[u8]>>, ReadError> {
+///
+/// `pixel_bytes`: what a pixel takes when it is decoded.
+fn open(bytes: &[u8], pixel_bytes: u64) -> Result<PngDecoder<Cursor<&[u8]>>, ReadError> {
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED);
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    if u64::from(width) * u64::from(height) * 4 > MAX_DECODED || decoder.total_bytes() > MAX_DECODED
-    {
+    let decoded = (u64::from(width) * u64::from(height)).saturating_mul(pixel_bytes);
+    if decoded > MAX_DECODED || decoder.total_bytes() > MAX_DECODED {
         return Err(ReadError(format!("{width}x{height} pixels are too many")));
     }
     Ok(decoder)
@@ -253,7 +258,7 @@ fn damaged(e: image::ImageError) -> ReadError {
 /// # Errors
 /// [`ReadError`] when the bytes are no PNG.
 pub fn size(bytes: &[u8]) -> Result<[u32; 2], ReadError> {
-    let (width, height) = open(bytes)?.dimensions();
+    let (width, height) = open(bytes, 4)?.dimensions();
     Ok([width, height])
 }
 
@@ -262,7 +267,7 @@ pub fn size(bytes: &[u8]) -> Result<[u32; 2], ReadError> {
 /// # Errors
 /// [`ReadError`] when the bytes are no PNG, are damaged, or need more than 2 GiB.
 pub fn decode(bytes: &[u8]) -> Result<Image, ReadError> {
-    let decoder = open(bytes)?;
+    let decoder = open(bytes, 4)?;
     let (width, height) = decoder.dimensions();
     let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     Ok(Image {
@@ -277,7 +282,7 @@ pub fn decode(bytes: &[u8]) -> Result<Image, ReadError> {
 /// # Errors
 /// As [`decode`].
 pub fn decode_deep(bytes: &[u8]) -> Result<DeepImage, ReadError> {
-    let decoder = open(bytes)?;
+    let decoder = open(bytes, 8)?;
     let (width, height) = decoder.dimensions();
     let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let deep = picture.color().bytes_per_pixel() / picture.color().channel_count() > 1;

@@ -5,7 +5,6 @@
 //! picture has something there. They come from the frame's own keys and blocks; nothing is rasterised again.
 
 use super::source::Source;
-use super::spot::{Listed, Quad};
 use super::tile::Scratch;
 use super::visible::Visible;
 use super::{Frame, shading};
@@ -14,7 +13,6 @@ use crate::film::srgb::{Srgb, quantize};
 use crate::film::{WriteError, png};
 use crate::math::saturate;
 use crate::raster::sample_positions;
-use crate::records::SampleId;
 use crate::shade::SurfacePoint;
 
 /// A further output. Names are those of `--aov`; formats are those of the PNG files.
@@ -345,7 +343,8 @@ pub(super) fn copy_rows(
 
 /// Finds the samples that count, once all blocks of the tile are drawn.
 pub(super) fn gather(frame: &Frame<'_>, s: &mut Scratch) {
-    if !frame.wanted.aovs.is_empty() {
+    // With one sample they are those of the picture.
+    if !frame.wanted.aovs.is_empty() && frame.size.samples > 1 {
         let ranks = s.drawn.len();
         s.planes
             .visible
@@ -361,28 +360,26 @@ pub(super) fn record(
     rank: usize,
     template: SurfacePoint,
 ) {
-    let [x0, y0] = s.tile.origin();
-    let samples = frame.size.samples;
     let list = source.list(s.drawn[rank].item - source.first_item);
     let TilePlanes {
         visible,
         rows,
         width,
     } = &mut s.planes;
+    let visible = match frame.size.samples {
+        1 => &s.visible,
+        _ => &*visible,
+    };
+    let block = shading::Shown {
+        points: &s.points,
+        attributes: &s.attributes,
+        footprint: &s.footprint,
+        projected: &s.projected,
+        list,
+        origin: s.tile.origin(),
+    };
     for f in visible.of_rank(rank) {
-        let id = SampleId(f.id());
-        let at = [x0 + f.x(), y0 + f.y(), f.sample()];
-        let block = (&*s.points, &s.attributes, s.footprint.as_slice());
-        let point = match list {
-            None => {
-                let spot = Quad::new(&s.projected, id, at, samples);
-                shading::surface_point(frame, source, block, spot, template)
-            }
-            Some(list) => {
-                let spot = Listed::new(&s.projected, list, id, at, samples);
-                shading::surface_point(frame, source, block, spot, template)
-            }
-        };
+        let point = block.point(frame, source, *f, template);
         let pixel = f.y() as usize * *width + f.x() as usize;
         for (&aov, rows) in frame.wanted.aovs.iter().zip(rows.iter_mut()) {
             let size = aov.pixel_bytes();

@@ -62,6 +62,14 @@ impl Scene {
         });
     }
 
+    /// Where the origin of the scene's coordinates is in model units: that of the first object's cage, which the others share. 0 of an empty
+    /// scene.
+    #[must_use]
+    pub fn origin(&self) -> [f64; 3] {
+        let first = self.objects.first();
+        first.map_or([0.0; 3], |o| o.surface.cage().origin())
+    }
+
     /// A sphere around the limit points of all models, for framing; with displacement, larger by as far as points move.
     #[must_use]
     pub fn bounding_sphere(&self) -> Sphere {

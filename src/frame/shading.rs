@@ -318,24 +318,18 @@ fn shade_points(
     rank: usize,
     template: SurfacePoint,
 ) {
-    let [x0, y0] = s.tile.origin();
     let samples = frame.size.samples;
-    let list = source.list(s.drawn[rank].item - source.first_item);
+    let block = Shown {
+        points: &s.points,
+        attributes: &s.attributes,
+        footprint: &s.footprint,
+        projected: &s.projected,
+        list: source.list(s.drawn[rank].item - source.first_item),
+        origin: s.tile.origin(),
+    };
     s.surface.clear();
-    for f in s.visible.of_rank(rank) {
-        let id = SampleId(f.id());
-        let at = [x0 + f.x(), y0 + f.y(), f.sample()];
-        let block = (&*s.points, &s.attributes, s.footprint.as_slice());
-        s.surface.push(match list {
-            None => {
-                let spot = Quad::new(&s.projected, id, at, samples);
-                surface_point(frame, source, block, spot, template)
-            }
-            Some(list) => {
-                let spot = Listed::new(&s.projected, list, id, at, samples);
-                surface_point(frame, source, block, spot, template)
-            }
-        });
+    for &f in s.visible.of_rank(rank) {
+        s.surface.push(block.point(frame, source, f, template));
     }
     s.shaded.clear();
     s.shaded.resize(s.surface.len(), [0.0; 4]);
@@ -353,9 +347,47 @@ fn shade_points(
     }
 }
 
+/// A block that is seen, diced and projected.
+pub(super) struct Shown<'a> {
+    pub(super) points: &'a Grid3,
+    pub(super) attributes: &'a Attributes,
+    pub(super) footprint: &'a [f32],
+    pub(super) projected: &'a ProjectedBlock,
+    /// Its triangles, where it is no grid.
+    pub(super) list: Option<&'a [[u16; 3]]>,
+    /// Upper left pixel of the tile.
+    pub(super) origin: [u32; 2],
+}
+
+impl Shown<'_> {
+    /// The surface at the first sample of a fragment.
+    #[inline]
+    pub(super) fn point(
+        &self,
+        frame: &Frame<'_>,
+        source: &Source<'_>,
+        f: Fragment,
+        template: SurfacePoint,
+    ) -> SurfacePoint {
+        let (id, samples) = (SampleId(f.id()), frame.size.samples);
+        let at = [self.origin[0] + f.x(), self.origin[1] + f.y(), f.sample()];
+        let block = (self.points, self.attributes, self.footprint);
+        match self.list {
+            None => {
+                let spot = Quad::new(self.projected, id, at, samples);
+                surface_point(frame, source, block, spot, template)
+            }
+            Some(list) => {
+                let spot = Listed::new(self.projected, list, id, at, samples);
+                surface_point(frame, source, block, spot, template)
+            }
+        }
+    }
+}
+
 /// The surface at a sample of a block.
 #[inline]
-pub(super) fn surface_point(
+fn surface_point(
     frame: &Frame<'_>,
     source: &Source<'_>,
     (points, a, footprint): (&Grid3, &Attributes, &[f32]),

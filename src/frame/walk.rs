@@ -6,7 +6,7 @@ use super::stats::StageTimes;
 use super::tile::{self, Scratch};
 use super::{Drawing, Frame, FrameStats, RenderError, Renderer, Scene, Use, leaf, level};
 use crate::camera::View;
-use crate::limits::LimitError;
+use crate::limits::{LimitError, Limits};
 use crate::mesh::NONE;
 use crate::raster::{PixelBox, bounds};
 use crate::records::{BLOCK_POINTS, BLOCK_STRIDE, BlockSize, Grid3, ScreenSize};
@@ -195,6 +195,7 @@ pub(crate) struct Walk<'a> {
     frame: &'a Frame<'a>,
     tile: usize,
     scratch: Scratch,
+    limits: &'a Limits,
 }
 
 impl Walk<'_> {
@@ -230,7 +231,13 @@ impl Walk<'_> {
     }
 
     /// Hands out the blocks that may be seen in the tile, in (face, block) order.
-    pub(crate) fn each(&mut self, mut visit: impl FnMut(&Self, &Block<'_>)) {
+    ///
+    /// # Errors
+    /// Those of `visit`; also when time is up.
+    pub(crate) fn each(
+        &mut self,
+        mut visit: impl FnMut(&Self, &Block<'_>) -> Result<(), LimitError>,
+    ) -> Result<(), LimitError> {
         let frame = self.frame;
         let rect = self.rect();
         let mut points = Grid3::boxed();
@@ -238,6 +245,7 @@ impl Walk<'_> {
             if frame.boxes[item as usize].is_some_and(|b| self.hides(&b)) {
                 continue;
             }
+            self.limits.check()?;
             let object = frame.sources.partition_point(|s| s.first_item <= item) - 1;
             let source = &frame.sources[object];
             let local = item - source.first_item;
@@ -270,9 +278,10 @@ impl Walk<'_> {
                         places,
                         layout: source.layout(local, block),
                     },
-                );
+                )?;
             }
         }
+        Ok(())
     }
 }
 
@@ -308,6 +317,7 @@ impl Renderer {
                         frame,
                         tile,
                         scratch,
+                        limits: &self.limits,
                     };
                     let result = visit(&mut walk);
                     self.scratch.give_back(walk.scratch);

@@ -205,21 +205,14 @@ impl Goldens {
     /// [`Failure`]. Where pictures are accepted, only if files cannot be written, or under continuous integration (the variable `CI`
     /// is set): nobody looks at pictures there.
     pub fn check(&self, name: &str, image: &DeepImage) -> Result<Outcome, Failure> {
-        let failure = |verdict, note| {
-            Failure(Box::new(Parts {
-                name: name.to_owned(),
-                golden: self.file(name),
-                output: self.output.clone(),
-                verdict,
-                note,
-            }))
-        };
+        let failure = |verdict, note| self.failure(name, verdict, note);
         if !is_name(name) {
             let unreadable = Verdict::Unreadable(
                 "names are parts of a path: a-z, 0-9 and the like, with / between".into(),
             );
             return Err(failure(Ok(unreadable), Some("nothing was written")));
         }
+        let new = self.encoded(name, image)?;
         let file_error = |e| failure(Err(e), None);
         let golden = match files::read_model(&self.file(name), LARGEST) {
             Ok(bytes) => Some(bytes),
@@ -236,11 +229,11 @@ impl Goldens {
             Verdict::Equal => Outcome::Equal,
             Verdict::Within(_) => Outcome::Within,
             _ if self.bless && std::env::var_os("CI").is_none() => {
-                self.write(name, image).map_err(file_error)?;
+                write(&self.file(name), &new).map_err(file_error)?;
                 Outcome::Written
             }
             verdict => {
-                let left = self.leave(name, &verdict, golden.as_deref(), image);
+                let left = self.leave(name, &verdict, golden.as_deref(), &new);
                 left.map_err(file_error)?;
                 let note = (self.bless).then_some("EARMARK_BLESS means nothing where CI is set");
                 return Err(failure(Ok(verdict), note));
@@ -253,9 +246,33 @@ impl Goldens {
     /// Writes a golden, whole or not at all.
     ///
     /// # Errors
-    /// [`FileError`].
-    pub fn write(&self, name: &str, image: &DeepImage) -> Result<(), FileError> {
-        write(&self.file(name), &encoded(image))
+    /// [`Failure`] when it is no picture or cannot be written.
+    pub fn write(&self, name: &str, image: &DeepImage) -> Result<(), Failure> {
+        let new = self.encoded(name, image)?;
+        write(&self.file(name), &new).map_err(|e| self.failure(name, Err(e), None))
+    }
+
+    /// Bytes of a picture; one without pixels, or with other data than its size says, has none.
+    fn encoded(&self, name: &str, image: &DeepImage) -> Result<Vec<u8>, Failure> {
+        png::encode_deep(image).map_err(|e| {
+            let verdict = Verdict::Unreadable(format!("the new picture: {e}"));
+            self.failure(name, Ok(verdict), Some("nothing was written"))
+        })
+    }
+
+    fn failure(
+        &self,
+        name: &str,
+        verdict: Result<Verdict, FileError>,
+        note: Option<&'static str>,
+    ) -> Failure {
+        Failure(Box::new(Parts {
+            name: name.to_owned(),
+            golden: self.file(name),
+            output: self.output.clone(),
+            verdict,
+            note,
+        }))
     }
 
     /// Goldens that no test reads: files in the folder whose names are not among `known`.
@@ -280,17 +297,16 @@ impl Goldens {
         name: &str,
         verdict: &Verdict,
         golden: Option<&[u8]>,
-        image: &DeepImage,
+        new: &[u8],
     ) -> Result<(), FileError> {
         let lock = self.lock()?;
         self.remove_all(name)?;
-        let new = encoded(image);
         let place =
             |kind: &str, ending: &str| self.output.join(kind).join(format!("{name}.{ending}"));
-        write(&place("new", "png"), &new)?;
+        write(&place("new", "png"), new)?;
         if let Some(golden) = golden {
             write(&place("golden", "png"), golden)?;
-            if let Some(difference) = difference_of(golden, &new) {
+            if let Some(difference) = difference_of(golden, new) {
                 write(&place("difference", "png"), &difference)?;
             }
         }
@@ -375,11 +391,6 @@ impl Goldens {
         }
         page.end("", &[])
     }
-}
-
-/// Bytes of a picture; what cannot be a PNG, as a picture without pixels, has none.
-fn encoded(image: &DeepImage) -> Vec<u8> {
-    png::encode_deep(image).unwrap_or_default()
 }
 
 /// Whether a name stays in its folder.

@@ -3,8 +3,8 @@
 use super::report::{Page, Pictures, Shown};
 use super::{Verdict, judge};
 use crate::compare::{Tolerance, difference};
-use crate::files::{self, AtomicFile, FileError};
-use crate::film::png;
+use crate::files::{self, AtomicFile, FileError, FileErrorKind};
+use crate::film::{DeepImage, ReadError, png};
 use crate::limits::{LimitError, Limits};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -78,7 +78,11 @@ impl Folders {
             limits.check()?;
             let verdict = match present {
                 [true, false] => Verdict::Dead,
-                [false, _] => Verdict::New,
+                // One that cannot be read could not be accepted either.
+                [false, _] => match read_picture(&new.join(&path), limits) {
+                    Ok(_) => Verdict::New,
+                    Err(e) => e.verdict()?,
+                },
                 [true, true] => {
                     compare_files(&golden.join(&path), &new.join(&path), tolerance, limits)?
                 }
@@ -156,16 +160,14 @@ impl Folders {
     ///
     /// # Errors
     /// [`FoldersError`]; nothing is accepted then.
-    pub fn accept(&self) -> Result<Vec<(&Found, AtomicFile)>, FoldersError> {
+    pub fn accept(&self, limits: &Limits) -> Result<Vec<(&Found, AtomicFile)>, FoldersError> {
         let mut staged = Vec::new();
-        for f in &self.found {
-            if !f.verdict.is_acceptable() {
-                continue;
-            }
-            let bytes = files::read_model(&self.new.join(&f.path), u64::MAX)?;
-            // A new picture was not looked into yet; that of a damaged golden may be damaged as well.
-            if png::decode_deep(&bytes).is_ok() {
-                staged.push((f, stage(&self.golden.join(&f.path), &bytes)?));
+        for f in self.found.iter().filter(|f| f.verdict.is_acceptable()) {
+            limits.check()?;
+            // That of a damaged golden may be damaged as well.
+            match read_picture(&self.new.join(&f.path), limits) {
+                Ok((bytes, _)) => staged.push((f, stage(&self.golden.join(&f.path), &bytes)?)),
+                Err(e) => drop(e.verdict()?),
             }
         }
         Ok(staged)
@@ -179,7 +181,10 @@ impl Folders {
 }
 
 /// Puts bytes beside their place, whose folder is made where it is missing.
-fn stage(path: &Path, bytes: &[u8]) -> Result<AtomicFile, FileError> {
+///
+/// # Errors
+/// [`FileError`].
+pub fn stage(path: &Path, bytes: &[u8]) -> Result<AtomicFile, FileError> {
     if let Some(folder) = path.parent() {
         files::make_folder(folder)?;
     }
@@ -194,6 +199,47 @@ pub(super) fn difference_of(golden: &[u8], new: &[u8]) -> Option<Vec<u8>> {
     png::encode_rgb(&difference(&a, &b).ok()?).ok()
 }
 
+/// Why a picture cannot be compared.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// The file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// What is in it, after its name.
+    #[error("{0}")]
+    Damaged(String),
+    /// Memory or time.
+    #[error(transparent)]
+    Limit(#[from] LimitError),
+}
+
+impl PictureError {
+    /// What is found of the picture then, unless the limits of the comparison are the reason.
+    fn verdict(self) -> Result<Verdict, FoldersError> {
+        match self {
+            Self::Limit(e) => Err(e.into()),
+            Self::File(e) if e.kind() == FileErrorKind::Limit => Err(e.into()),
+            // Both name the file.
+            e => Ok(Verdict::Unreadable(e.to_string())),
+        }
+    }
+}
+
+/// Bytes and pixels of a PNG file that is small enough to be compared.
+///
+/// # Errors
+/// [`PictureError`].
+pub fn read_picture(path: &Path, limits: &Limits) -> Result<(Vec<u8>, DeepImage), PictureError> {
+    let damaged = |e: ReadError| PictureError::Damaged(format!("{}: {e}", path.display()));
+    let bytes = files::read_model(path, limits.max_memory.unwrap_or(u64::MAX))?;
+    let [width, height] = png::size(&bytes).map_err(damaged)?;
+    let pixels = u128::from(width) * u128::from(height);
+    limits.memory("comparing pictures of this size", pixels * PIXEL_BYTES)?;
+    let picture = png::decode_deep(&bytes).map_err(damaged)?;
+    Ok((bytes, picture))
+}
+
 /// Compares two PNG files.
 ///
 /// # Errors
@@ -204,35 +250,16 @@ pub fn compare_files(
     tolerance: &Tolerance,
     limits: &Limits,
 ) -> Result<Verdict, FoldersError> {
-    let most = limits.max_memory.unwrap_or(u64::MAX);
-    let unreadable = |path: &Path, e: &dyn std::fmt::Display| {
-        Verdict::Unreadable(format!("{}: {e}", path.display()))
+    let (bytes, a) = match read_picture(golden, limits) {
+        Ok(picture) => picture,
+        Err(e) => return e.verdict(),
     };
-    let read = |path: &Path| match files::read_model(path, most) {
-        Ok(bytes) => Ok(bytes),
-        // It names the file itself.
-        Err(e) => Err(Verdict::Unreadable(e.to_string())),
-    };
-    let (a, b) = match (read(golden), read(new)) {
-        (Ok(a), Ok(b)) => (a, b),
-        (Err(verdict), _) | (_, Err(verdict)) => return Ok(verdict),
-    };
-    let mut pictures = Vec::new();
-    for (path, bytes) in [(golden, &a), (new, &b)] {
-        match png::size(bytes) {
-            Ok([w, h]) => {
-                let pixels = u128::from(w) * u128::from(h);
-                limits.memory("comparing pictures of this size", pixels * PIXEL_BYTES)?;
-            }
-            Err(e) => return Ok(unreadable(path, &e)),
-        }
-        match png::decode_deep(bytes) {
-            Ok(picture) => pictures.push(picture),
-            Err(e) => return Ok(unreadable(path, &e)),
-        }
-        if a == b {
-            return Ok(Verdict::Equal);
-        }
+    // Most are the same file.
+    if files::read_model(new, bytes.len() as u64).is_ok_and(|b| b == bytes) {
+        return Ok(Verdict::Equal);
     }
-    Ok(judge(&pictures[0], &pictures[1], tolerance))
+    match read_picture(new, limits) {
+        Ok((_, b)) => Ok(judge(&a, &b, tolerance)),
+        Err(e) => e.verdict(),
+    }
 }

@@ -9,7 +9,7 @@ use crate::film::DeepImage;
 
 pub use crate::assert_image;
 pub use assert::{Failure, Goldens, Outcome, assert_image_at};
-pub use folders::{Folders, FoldersError, Found, compare_files};
+pub use folders::{Folders, FoldersError, Found, PictureError, compare_files, read_picture, stage};
 pub use report::{Page, Pictures, Shown};
 
 /// What came of holding a picture against its golden.

@@ -8,9 +8,13 @@
 
 use super::lens::{Spot, area};
 use super::lines::Segment;
+use super::squares::{Cells, Squares};
 
 /// Lines per square in which they are looked up: more make triangles look at lines far off, fewer make them look into many squares.
 const PER_CELL: f64 = 6.0;
+
+/// Pixels by which a line is taken to be in squares beside it: more than rounding.
+const SLACK: f64 = 1e-6;
 
 /// Differences in depth below this, relative, are rounding.
 const EQUAL: f64 = 1e-9;
@@ -49,49 +53,12 @@ struct Point {
 pub(super) struct Visibility {
     origin: [f64; 2],
     size: [f64; 2],
-    /// Side of a square in which lines are looked up, in pixels, and squares across and down.
-    cell: f64,
-    cells: [usize; 2],
+    /// In which lines and points are looked up.
+    squares: Squares,
     lines: Vec<Line>,
     points: Vec<Point>,
     line_cells: Cells,
     point_cells: Cells,
-}
-
-/// Numbers by cell.
-#[derive(Default)]
-struct Cells {
-    starts: Vec<u32>,
-    items: Vec<u32>,
-}
-
-impl Cells {
-    /// Sorts numbers below `items` into cells; `each` says which cells one is in.
-    fn new(cells: usize, items: usize, each: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
-        let mut starts = vec![0_u32; cells + 1];
-        for k in 0..items {
-            each(k, &mut |c| starts[c + 1] += 1);
-        }
-        for c in 0..cells {
-            starts[c + 1] += starts[c];
-        }
-        let mut next = starts.clone();
-        let mut found = vec![0; starts[cells] as usize];
-        for k in 0..items {
-            each(k, &mut |c| {
-                found[next[c] as usize] = k as u32;
-                next[c] += 1;
-            });
-        }
-        Self {
-            starts,
-            items: found,
-        }
-    }
-
-    fn of(&self, cell: usize) -> &[u32] {
-        &self.items[self.starts[cell] as usize..self.starts[cell + 1] as usize]
-    }
 }
 
 impl Visibility {
@@ -103,11 +70,11 @@ impl Visibility {
         points: impl Iterator<Item = Spot>,
     ) -> Self {
         let [x, y, width, height] = rect.map(f64::from);
+        let (origin, size) = ([x, y], [width, height]);
         let mut out = Self {
-            origin: [x, y],
-            size: [width, height],
-            cell: 1.0,
-            cells: [1; 2],
+            origin,
+            size,
+            squares: Squares::new(origin, size, width.max(height).max(1.0)),
             lines: Vec::new(),
             points: points.map(|at| Point { at, hidden: false }).collect(),
             line_cells: Cells::default(),
@@ -127,42 +94,19 @@ impl Visibility {
         let extents: f64 = self.lines.iter().map(extent).sum();
         let usual = (width * height / count * PER_CELL).sqrt().clamp(2.0, 64.0);
         // Long lines are in many cells: no more, all in all, than a few for each line.
-        self.cell = usual.max(extents / (8.0 * count + 65536.0));
-        self.cells = [width, height].map(|s| (s / self.cell).ceil().max(1.0) as usize);
-        let cells = self.cells[0] * self.cells[1];
-        self.line_cells = Cells::new(cells, self.lines.len(), |k, visit| {
-            self.cells_of(&self.lines[k], visit);
+        let side = usual.max(extents / (8.0 * count + 65536.0));
+        let squares = Squares::new(self.origin, self.size, side);
+        self.squares = squares;
+        self.line_cells = Cells::new(squares.len(), self.lines.len(), |k, visit| {
+            let line = &self.lines[k];
+            let (stretch, hull) = ([line.from, line.to], [line.low, line.high]);
+            squares.through(&line.segment, stretch, hull, SLACK, visit);
         });
-        self.point_cells = Cells::new(cells, self.points.len(), |k, visit| {
+        self.point_cells = Cells::new(squares.len(), self.points.len(), |k, visit| {
             let [x, y, _] = self.points[k].at;
-            let [[x, y], _] = self.cell_range([x, y], [x, y]);
-            visit(y * self.cells[0] + x);
+            let [[x, y], _] = squares.range([x, y], [x, y]);
+            visit(squares.index(x, y));
         });
-    }
-
-    /// The cells that a line goes through, row by row.
-    fn cells_of(&self, line: &Line, visit: &mut dyn FnMut(usize)) {
-        /// More than rounding, in pixels.
-        const SLACK: f64 = 1e-6;
-        let [first, last] = self.cell_range(line.low, line.high);
-        let (a, b) = (line.segment.a, line.segment.b);
-        for y in first[1]..=last[1] {
-            let (mut from, mut to) = (line.from, line.to);
-            if first[1] < last[1] {
-                let top = self.origin[1] + y as f64 * self.cell - SLACK;
-                let bottom = top + self.cell + 2.0 * SLACK;
-                let [t0, t1] = [top, bottom].map(|v| (v - a[1]) / (b[1] - a[1]));
-                from = from.max(t0.min(t1));
-                to = to.min(t0.max(t1));
-            }
-            let [x0, x1] = [from, to].map(|t| a[0] + (b[0] - a[0]) * t);
-            let low = [x0.min(x1) - SLACK, line.low[1]];
-            let high = [x0.max(x1) + SLACK, line.high[1]];
-            let [low, high] = self.cell_range(low, high);
-            for x in low[0]..=high[0] {
-                visit(y * self.cells[0] + x);
-            }
-        }
     }
 
     /// The part of a line that is in the tile. Lines that run along the border between two tiles belong to the second.
@@ -200,22 +144,10 @@ impl Visibility {
         })
     }
 
-    /// First and last cell of a box that touches the tile.
-    fn cell_range(&self, low: [f64; 2], high: [f64; 2]) -> [[usize; 2]; 2] {
-        let cell = |v: f64, k: usize| {
-            let c = ((v - self.origin[k]) / self.cell).floor().max(0.0) as usize;
-            c.min(self.cells[k] - 1)
-        };
-        [
-            [cell(low[0], 0), cell(low[1], 1)],
-            [cell(high[0], 0), cell(high[1], 1)],
-        ]
-    }
-
     /// Bytes held, about.
     pub(super) fn bytes(&self) -> u128 {
         let hidden: usize = self.lines.iter().map(|l| l.hidden.capacity()).sum();
-        let cells = self.line_cells.items.len() + self.point_cells.items.len();
+        let cells = self.line_cells.len() + self.point_cells.len();
         let kept = self.lines.len() * size_of::<Line>() + self.points.len() * size_of::<Point>();
         (kept + cells * 4 + hidden * size_of::<[f64; 2]>()) as u128
     }
@@ -241,10 +173,10 @@ impl Visibility {
             return;
         }
         let (nearest, sign) = (most(2), twice.signum());
-        let [first, last] = self.cell_range(low, high);
+        let [first, last] = self.squares.range(low, high);
         for y in first[1]..=last[1] {
             for x in first[0]..=last[0] {
-                let cell = y * self.cells[0] + x;
+                let cell = self.squares.index(x, y);
                 for &k in self.line_cells.of(cell) {
                     let line = &mut self.lines[k as usize];
                     let apart = (0..2).any(|k| line.low[k] > high[k] || line.high[k] < low[k]);

@@ -1,59 +1,18 @@
-//! Vertices that are marked, lines that are no part of the surface, and letters.
+//! Vertices that are marked, letters, and where axes and the scale bar are.
 
 use super::lens::{Lens, Spot};
-use super::lines::{CAGE_LIFT, Segment, is};
 use super::{Kind, Label, Layers, Mark, Polyline};
 use crate::camera::{Sphere, View};
-use crate::frame::{Object, Scene, Walk};
+use crate::frame::{Block, Object, Scene};
 use crate::math;
 use crate::mesh::NONE;
 use crate::sheet::text_width;
-
-/// A straight line in the model, and how much nearer it is taken to be.
-pub(super) struct FreeLine {
-    pub(super) segment: Segment,
-    pub(super) lift: f64,
-}
 
 /// A vertex that a tile shows: object, vertex of the cage or [`NONE`], face in whose middle it is or [`NONE`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
     key: [u32; 3],
     pub(super) spot: Spot,
-}
-
-/// Edges of cages, and axes.
-pub(super) fn free_lines(scene: &Scene, layers: Layers, lens: &Lens) -> Vec<FreeLine> {
-    let mut out = Vec::new();
-    let mut add = |p: [f32; 3], q: [f32; 3], flags: u16, lift: f64| {
-        let Some([a, b]) = lens.line(&lens.wide(p), &lens.wide(q)) else {
-            return;
-        };
-        if a != b && [a, b].as_flattened().iter().all(|c| c.is_finite()) {
-            let segment = Segment::new(a, b, flags);
-            out.push(FreeLine { segment, lift });
-        }
-    };
-    if layers.contains(Layers::CAGE) {
-        for object in &scene.objects {
-            let (t, points) = (object.surface.topology(), object.surface.cage().points());
-            for e in 0..t.edge_count() as u32 {
-                let h = t.edge_half(e);
-                let [a, b] = [t.vertex(h), t.vertex(t.next(h))].map(|v| points[v as usize]);
-                add(a, b, is::CAGE, CAGE_LIFT);
-            }
-        }
-    }
-    if layers.contains(Layers::AXES) {
-        let axes = axes(scene);
-        for (k, flags) in [is::AXIS, is::SECOND_AXIS, is::THIRD_AXIS]
-            .into_iter()
-            .enumerate()
-        {
-            add(axes.0, axes.1[k], flags, CAGE_LIFT);
-        }
-    }
-    out
 }
 
 /// The sphere that axes and scale are made for.
@@ -67,15 +26,11 @@ fn sphere(scene: &Scene) -> Sphere {
 
 /// Where the axes begin, and their tips: from the origin of the model, or from its middle where that is outside of the sphere around it, to
 /// the sphere.
-fn axes(scene: &Scene) -> ([f32; 3], [[f32; 3]; 3]) {
+pub(super) fn axes(scene: &Scene) -> ([f32; 3], [[f32; 3]; 3]) {
     let Sphere { center, radius } = sphere(scene);
-    let origin = scene
-        .objects
-        .first()
-        .map_or([0.0; 3], |o| o.surface.cage().origin());
     let from_middle = |p: [f64; 3]| [0, 1, 2].map(|k| p[k] - center[k]);
     let square = |d: [f64; 3]| d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    let mut start = origin.map(|c| -c);
+    let mut start = scene.origin().map(|c| -c);
     if square(from_middle(start)) > radius * radius {
         start = center;
     }
@@ -90,27 +45,26 @@ fn axes(scene: &Scene) -> ([f32; 3], [[f32; 3]; 3]) {
     (start.map(|c| c as f32), tips)
 }
 
-/// Vertices of cages in a tile, each once.
-pub(super) fn in_tile(walk: &mut Walk<'_>, lens: &Lens) -> Vec<Found> {
-    let [x, y, width, height] = walk.rect().map(f64::from);
-    let mut out = Vec::new();
-    walk.each(|_, block| {
-        for (k, vertex, centre) in block.corners() {
-            let Some(spot) = lens.spot(block.points.at(k)) else {
-                continue;
-            };
-            let inside =
-                spot[0] >= x && spot[0] < x + width && spot[1] >= y && spot[1] < y + height;
-            if inside {
-                let key = [block.object, vertex, centre];
-                out.push(Found { key, spot });
-            }
+/// Adds the vertices of cages that a block has in a tile (first column and row, columns and rows).
+pub(super) fn in_block(rect: [u32; 4], block: &Block<'_>, lens: &Lens, found: &mut Vec<Found>) {
+    let [x, y, width, height] = rect.map(f64::from);
+    for (k, vertex, centre) in block.corners() {
+        let Some(spot) = lens.spot(block.points.at(k)) else {
+            continue;
+        };
+        let inside = spot[0] >= x && spot[0] < x + width && spot[1] >= y && spot[1] < y + height;
+        if inside {
+            let key = [block.object, vertex, centre];
+            found.push(Found { key, spot });
         }
-    });
-    out.sort_by_key(|f| f.key);
+    }
+}
+
+/// Leaves every vertex of a tile once.
+pub(super) fn once(found: &mut Vec<Found>) {
+    found.sort_by_key(|f| f.key);
     // A vertex that several surfaces meet in may have several places; the nearest is seen first.
-    out.dedup_by(|b, a| a.key == b.key && a.spot == b.spot);
-    out
+    found.dedup_by(|b, a| a.key == b.key && a.spot == b.spot);
 }
 
 /// Valence of every vertex of a cage, and whether it is ordinary.

@@ -26,11 +26,13 @@
 //! than pixels, and none would move by a tenth of one. Faces that an opacity map cuts out hide lines like whole ones.
 
 mod chain;
+mod free;
 mod hidden;
 mod lens;
 mod lines;
 mod marks;
 mod paint;
+mod squares;
 mod style;
 mod svg;
 
@@ -40,10 +42,11 @@ use crate::frame::{Block, FrameStats, RenderError, Renderer, Scene, Walk};
 use crate::limits::{LimitError, Limits};
 use crate::records::{BLOCK_STRIDE, ScreenSize};
 use chain::Piece;
+use free::FreeLines;
 use hidden::Visibility;
 use lens::{Lens, Screen, Spot};
 use lines::{Collector, Segment};
-use marks::{Found, FreeLine};
+use marks::Found;
 
 pub use style::{Ink, Kind, Layers, Options, Style};
 
@@ -135,7 +138,8 @@ pub fn trace(
     options: &Options,
 ) -> Result<LineArt, RenderError> {
     let lens = Lens::new(view);
-    let free = marks::free_lines(scene, options.layers, &lens);
+    let limits = &renderer.limits;
+    let free = FreeLines::new(scene, options.layers, &lens, view.size, limits)?;
     let wants_marks =
         options.layers.contains(Layers::VALENCES) || options.layers.contains(Layers::LABELS);
     let share = rayon::current_num_threads() as u128;
@@ -144,24 +148,26 @@ pub fn trace(
             covered: walk.covered(),
             ..OfTile::default()
         };
-        let lines = surface_lines(walk, scene, options.layers, &lens, &renderer.limits)?;
-        if wants_marks {
-            out.found = marks::in_tile(walk, &lens);
-        }
-        let near = free
-            .iter()
-            .filter(|f| lines::is_in(walk, &[f.segment.a, f.segment.b]).is_some());
-        let near = near.map(|f: &FreeLine| (f.segment, f.lift));
+        let wanted = (options.layers, wants_marks);
+        let (lines, found) = of_surface(walk, scene, wanted, &lens, limits)?;
+        out.found = found;
+        let near = free.near(walk.rect());
+        let bytes = held(lines.len() + near.len(), out.found.len());
+        limits.memory(TILES, bytes + free.bytes())?;
+        let near = near.into_iter().map(|k| free.line(k));
         let surface = lines.into_iter().map(|line| (line, 0.0));
         let spots = out.found.iter().map(|f| f.spot);
         let mut visibility = Visibility::new(walk.rect(), surface.chain(near), spots);
         let bytes = visibility.bytes() * share;
-        renderer.limits.memory("the lines of the tiles", bytes)?;
+        limits.memory(TILES, bytes + free.bytes())?;
         if visibility.is_empty() {
             return Ok(out);
         }
         let mut screen = Screen::new();
-        walk.each(|_, block| pass(block, &lens, &mut screen, &mut visibility));
+        walk.each(|_, block| {
+            pass(block, &lens, &mut screen, &mut visibility);
+            Ok(())
+        })?;
         visibility.seen(|segment, ends| {
             if let Some(kind) = segment.kind(options.layers) {
                 let ends = ends.map(|[x, y, _]| [x, y]);
@@ -176,7 +182,7 @@ pub fn trace(
     let count: usize = tiles.iter().map(|t| t.pieces.len()).sum();
     // Pieces twice, joints, and polylines.
     let bytes = count as u128 * (2 * size_of::<Piece>() as u128 + 160);
-    renderer.limits.memory("the lines of the picture", bytes)?;
+    limits.memory("the lines of the picture", bytes)?;
     let mut pieces = Vec::with_capacity(count);
     let mut found = Vec::new();
     for tile in tiles {
@@ -208,33 +214,45 @@ pub fn trace(
     })
 }
 
-/// Micro-edges of a tile that are wanted and not plainly hidden, each once.
-fn surface_lines(
+/// Micro-edges of a tile that are wanted and not plainly hidden, each once, and with `wants_marks` its vertices.
+fn of_surface(
     walk: &mut Walk<'_>,
     scene: &Scene,
-    layers: Layers,
+    (layers, wants_marks): (Layers, bool),
     lens: &Lens,
     limits: &Limits,
-) -> Result<Vec<Segment>, LimitError> {
+) -> Result<(Vec<Segment>, Vec<Found>), LimitError> {
     let mut collector = Collector::new(scene, layers, lens);
-    if !collector.wants_surface() {
-        return Ok(Vec::new());
+    let wants_surface = collector.wants_surface();
+    let mut marks = Vec::new();
+    if !wants_surface && !wants_marks {
+        return Ok((Vec::new(), marks));
     }
-    // Held as lines, and again as what they are cut to, with cells and with what hides them.
-    let each = 6 * size_of::<Segment>() as u128 * rayon::current_num_threads() as u128;
-    let mut result = Ok(());
     walk.each(|walk, block| {
-        if result.is_ok() {
+        if wants_surface {
             collector.add(walk, block);
-            let bytes = collector.found.len() as u128 * each;
-            result = limits.memory("the lines of the tiles", bytes);
         }
-    });
-    result?;
+        if wants_marks {
+            marks::in_block(walk.rect(), block, lens, &mut marks);
+        }
+        limits.memory(TILES, held(collector.found.len(), marks.len()))
+    })?;
     let mut found = collector.found;
     lines::join_equal(&mut found);
     found.retain(|line| line.kind(layers).is_some());
-    Ok(found)
+    marks::once(&mut marks);
+    Ok((found, marks))
+}
+
+/// What messages call what is held while lines are traced.
+const TILES: &str = "the lines of the tiles";
+
+/// Bytes that so many lines and vertices of each tile come to: held as such, and again as what they are cut to, with cells and with what
+/// hides them.
+fn held(lines: usize, marks: usize) -> u128 {
+    let bytes = lines as u128 * 6 * size_of::<Segment>() as u128
+        + marks as u128 * 3 * size_of::<Found>() as u128;
+    bytes * rayon::current_num_threads() as u128
 }
 
 /// Lets the triangles of a block hide what is behind them.

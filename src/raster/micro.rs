@@ -145,6 +145,7 @@ pub(super) fn chunk<C: Cell>(
             across_step[e][l] *= 256.0;
         }
     }
+    let mut batch = Batch::<C>::new();
     for (s, &[ox, oy]) in sample_positions(tile.samples()).iter().enumerate() {
         // Windows, and the edge values at their first samples.
         let mut across: Ints = [0; LANES];
@@ -174,7 +175,6 @@ pub(super) fn chunk<C: Cell>(
         }
         let plane_at = tile.plane(s);
         let plane_end = tile.plane(s + 1);
-        let mut batch = Batch::<C>::new();
         'slots: for slot_y in 0..WINDOW {
             let mut at = row;
             for slot_x in 0..WINDOW {

@@ -4,6 +4,7 @@
 mod actions;
 mod compose;
 
+use super::WindowError;
 use super::canvas::Canvas;
 use super::changes::{Changes, Mark};
 use super::figures::Clock;
@@ -17,10 +18,10 @@ use super::quality::{LADDER, Quality};
 use super::studio::{Delivery, News, Order, Shown, Studio, Task, start_drawing};
 use crate::camera::Camera;
 use crate::frame::FrameStats;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
 /// What happens to a window.
@@ -103,14 +104,17 @@ pub(super) struct App {
     figures: u32,
     turning: Option<Instant>,
     done: bool,
-    /// Pictures that are being written.
-    saving: usize,
+    /// Paths of pictures that are being written.
+    saving: Vec<String>,
 
     model: usize,
     shown: Option<Arc<Shown>>,
     loading: Option<Loading>,
     loads: u64,
     changes: Changes,
+    /// Why the files that are watched could not be loaded, until they can.
+    broken: Option<String>,
+    /// Why a picture could not be drawn or written.
     fault: Option<String>,
     message: Option<(String, Instant)>,
 
@@ -156,12 +160,13 @@ impl App {
             figures: 1,
             turning: None,
             done: false,
-            saving: 0,
+            saving: Vec::new(),
             model: 0,
             shown: None,
             loading: None,
             loads: 0,
             changes: Changes::default(),
+            broken: None,
             fault: None,
             message: None,
             state: 0,
@@ -186,7 +191,7 @@ impl App {
 
     /// Whether the window is to be closed; what is being written is written first.
     pub(super) fn is_done(&self) -> bool {
-        self.studio.ended() || self.done && self.saving == 0
+        self.studio.ended() || self.done && self.saving.is_empty()
     }
 
     /// What the window is called.
@@ -204,14 +209,13 @@ impl App {
     }
 
     fn name(&self, model: usize) -> String {
-        let name = self.studio.models().get(model).cloned();
-        let name = name.unwrap_or_default();
-        if name == "-" {
+        let models = self.studio.models();
+        let path = models.get(model).map_or(Path::new(""), PathBuf::as_path);
+        if path.as_os_str() == "-" {
             return "standard input".into();
         }
-        let last = PathBuf::from(&name);
-        let last = last.file_name().map(|n| n.to_string_lossy().into_owned());
-        last.unwrap_or(name)
+        let last = path.file_name().unwrap_or(path.as_os_str());
+        last.to_string_lossy().into_owned()
     }
 
     /// What is to be seen is another: what is being drawn is out of date.
@@ -260,7 +264,9 @@ impl App {
             Event::Pointer(pointer) => {
                 self.pointer = pointer;
                 let dragged = self.drags.see(pointer, self.size);
-                if let (Some(dragged), Some(pose)) = (dragged, self.pose()) {
+                if let Some(dragged) = dragged
+                    && let Some(pose) = self.pose()
+                {
                     match dragged.drag {
                         Drag::Orbit => self.orbit.drag(dragged.by, &pose),
                         Drag::Pan => self.orbit.pan(dragged.by, &pose),
@@ -295,17 +301,12 @@ impl App {
     }
 
     /// Waits for news, at most for a time, and takes in all there are.
-    pub(super) fn wait(&mut self, rest: Duration) -> Result<(), super::WindowError> {
-        let mut next = match self.news.recv_timeout(rest) {
-            Ok(news) => Some(news),
-            Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => return Err(super::WindowError::Thread),
-        };
+    pub(super) fn wait(&mut self, rest: Duration) {
+        let mut next = self.news.recv_timeout(rest).ok();
         while let Some(news) = next {
             self.take_news(news, Instant::now());
             next = self.news.try_recv().ok();
         }
-        Ok(())
     }
 
     fn take_news(&mut self, news: News, now: Instant) {
@@ -313,14 +314,14 @@ impl App {
             News::Drawn(delivery) => self.delivered(*delivery, now),
             News::Loaded { number, result } => {
                 if let Some(loading) = self.loading.take_if(|l| l.number == number) {
-                    self.loaded(loading, result);
+                    self.loaded(loading, result, now);
                 }
             }
-            News::Saved(result) => {
-                self.saving -= 1;
+            News::Saved { path, result } => {
+                self.saving.retain(|p| *p != path);
                 self.stale = true;
                 match result {
-                    Ok(path) => self.say(format!("written: {path}"), now),
+                    Ok(()) => self.say(format!("written: {path}"), now),
                     Err(why) => self.fault = Some(why),
                 }
             }
@@ -331,21 +332,30 @@ impl App {
         self.drawing = None;
         let Delivery {
             order,
+            canvas,
             result,
             took,
         } = delivery;
         match result {
-            Ok((canvas, stats)) => {
+            Ok(stats) => {
                 self.spare = std::mem::replace(&mut self.picture, canvas);
                 self.stats = stats;
-                self.quality.drawn(order.step, took);
+                // What another model took says nothing of this one.
+                if self
+                    .shown
+                    .as_ref()
+                    .is_some_and(|s| Arc::ptr_eq(s, &order.shown))
+                {
+                    self.quality.drawn(order.step, took);
+                }
                 self.drawn = Some((order.state, order.step));
                 self.pictured = order.model;
                 self.clock.drawn(now, took, order.step);
                 self.stale = true;
             }
-            Err(_) if order.cancelled.load(Ordering::Relaxed) => {}
+            Err(_) if order.cancelled.load(Ordering::Relaxed) => self.spare = canvas,
             Err(why) => {
+                self.spare = canvas;
                 self.fault = Some(why);
                 // Not again before something changes.
                 self.drawn = Some((order.state, 0));
@@ -355,9 +365,13 @@ impl App {
     }
 
     /// What has to be done by itself: turning, looking at files, ordering pictures.
-    pub(super) fn tick(&mut self, now: Instant) {
-        if let (Some(last), Some(pose)) = (self.turning, self.pose())
+    ///
+    /// # Errors
+    /// [`WindowError::Thread`] where nobody draws any more.
+    pub(super) fn tick(&mut self, now: Instant) -> Result<(), WindowError> {
+        if let Some(last) = self.turning
             && self.drawing.is_none()
+            && let Some(pose) = self.pose()
         {
             let degrees = (now - last).as_secs_f64() * TURNTABLE;
             self.orbit.turn([degrees, 0.0], &pose);
@@ -383,18 +397,20 @@ impl App {
         {
             self.stale = true;
         }
-        self.order(now);
+        self.order(now)
     }
 
     /// Orders the next picture where one is missing.
-    fn order(&mut self, now: Instant) {
-        let Some(shown) = &self.shown else { return };
+    fn order(&mut self, now: Instant) -> Result<(), WindowError> {
+        let Some(shown) = &self.shown else {
+            return Ok(());
+        };
         let moving = self.is_moving(now);
         let up_to_date = self
             .drawn
             .is_some_and(|(state, step)| state == self.state && (step == 0 || moving));
         if up_to_date || self.drawing.is_some() {
-            return;
+            return Ok(());
         }
         let step = if moving { self.quality.next() } else { 0 };
         let order = Order {
@@ -416,9 +432,8 @@ impl App {
             cancelled: Arc::clone(&order.cancelled),
         });
         let spare = std::mem::take(&mut self.spare);
-        if self.orders.send((order, spare)).is_err() {
-            self.done = true;
-        }
+        let sent = self.orders.send((order, spare));
+        sent.map_err(|_| WindowError::Thread)
     }
 
     /// How long the window may rest before it looks for input again: each look is a question to the display and its answer.

@@ -18,18 +18,8 @@ use std::ffi::{OsStr, OsString};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Flags(Vec<(String, Option<OsString>)>);
 
-/// Flags that a loaded model does not depend on.
+/// Flags that a loaded model does not depend on, beside those of the camera.
 const PICTURE: &[&str] = &[
-    "azimuth",
-    "elevation",
-    "zoom",
-    "fov",
-    "ortho",
-    "eye",
-    "target",
-    "up",
-    "near",
-    "far",
     "size",
     "samples",
     "background",
@@ -125,6 +115,7 @@ impl Flags {
     #[must_use]
     pub fn of_model(&self) -> Self {
         let mut out = self.clone();
+        out.set_camera(&Camera::default());
         out.0.retain(|(name, _)| !PICTURE.contains(&name.as_str()));
         if matches!(out.text("surface"), Some("limit" | "refined" | "cage")) {
             out.unset("surface");

@@ -13,8 +13,6 @@ pub(super) enum Press {
     Right,
     /// Arrow.
     Up,
-    /// Arrow.
-    Down,
     /// The large one, or that of the number pad.
     Enter,
     /// Escape.
@@ -135,7 +133,7 @@ use Action::{
     Adaptive, Backdrop, Figures, Flatness, Help, Level, Levels, Light, LimitOrRefined, LookFrom,
     Model, Next, Ortho, Overlay, Print, Quit, Reload, Reset, Save, Turntable,
 };
-use Press::{Char, Down, Enter, Escape, F, Left, Right, Shift, Up};
+use Press::{Char, Enter, Escape, F, Left, Right, Shift, Up};
 
 /// All there is, by heading.
 pub(super) const TABLE: &[(&str, &[Row])] = &[
@@ -288,7 +286,6 @@ pub(super) fn action(press: Press) -> Option<Action> {
     };
     find(press).or_else(|| match press {
         Shift(letter) => find(Char(letter)),
-        Down => None,
         _ => None,
     })
 }

@@ -82,8 +82,8 @@ pub enum WindowError {
 /// [`WindowError`].
 pub fn run(studio: Arc<dyn Studio>, start: &Start) -> Result<(), WindowError> {
     // The window first: without one nothing has to be loaded.
-    let name = studio.models().first().cloned().unwrap_or_default();
-    let mut screen = Screen::open(&name, start.size)?;
+    let name = studio.models().first().map(|m| m.to_string_lossy());
+    let mut screen = Screen::open(&name.unwrap_or_default(), start.size)?;
     let app = App::new(studio, start, screen::LOSES_RELEASES);
     let mut app = app.map_err(|_| WindowError::Thread)?;
     let mut title = String::new();
@@ -91,7 +91,7 @@ pub fn run(studio: Arc<dyn Studio>, start: &Start) -> Result<(), WindowError> {
         for event in screen.events() {
             app.event(event, Instant::now());
         }
-        app.tick(Instant::now());
+        app.tick(Instant::now())?;
         if app.title() != title {
             title = app.title();
             screen.set_title(&title);
@@ -99,7 +99,7 @@ pub fn run(studio: Arc<dyn Studio>, start: &Start) -> Result<(), WindowError> {
         if let Some(canvas) = app.frame(Instant::now()) {
             screen.present(canvas)?;
         }
-        app.wait(app.rest(Instant::now()))?;
+        app.wait(app.rest(Instant::now()));
     }
     Ok(())
 }

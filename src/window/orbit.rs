@@ -1,4 +1,5 @@
-//! The camera under the mouse. What a drag does depends on where it begins and ends alone, never on how many events came between.
+//! The camera under the mouse. What a drag does depends on where it begins and ends, never on how many events came between; only what would
+//! have gone beyond a limit, as over a pole, is lost on the way.
 //!
 //! * Orbit: a drag over the smaller side of the window turns by 180 degrees.
 //! * Pan: the point under the pointer, in the plane of the target, stays under it.
@@ -89,7 +90,7 @@ pub(super) struct Orbit {
     home: Camera,
 }
 
-/// Half a unit of rounding below which numbers are cut: angles in degrees, and lengths relative to the model.
+/// The step to which azimuth and elevation, in degrees, and zoom are rounded.
 const FINE: f64 = 1e-4;
 
 fn rounded(x: f64, step: f64) -> f64 {

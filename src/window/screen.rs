@@ -53,7 +53,6 @@ fn named(key: Key) -> Option<Press> {
         Key::Left => Press::Left,
         Key::Right => Press::Right,
         Key::Up => Press::Up,
-        Key::Down => Press::Down,
         Key::Enter | Key::NumPadEnter => Press::Enter,
         Key::Escape => Press::Escape,
         Key::F1 => Press::F(1),

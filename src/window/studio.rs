@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 
 /// The work behind the window.
 pub trait Studio: Send + Sync + 'static {
-    /// Names of the models, in the order of the keys.
-    fn models(&self) -> &[String];
+    /// Paths of the models, in the order of the keys; `-` is standard input.
+    fn models(&self) -> &[PathBuf];
     /// Reads a model with the flags that it depends on.
     ///
     /// # Errors
@@ -37,7 +37,7 @@ pub trait Studio: Send + Sync + 'static {
     fn print(&self, line: &str);
     /// The threads that pictures are drawn by.
     fn pool(&self) -> &rayon::ThreadPool;
-    /// Why the program has to end, if it has to: a signal, or time is up.
+    /// Whether the program has to end: a signal came, or time is up.
     fn ended(&self) -> bool;
 }
 
@@ -68,11 +68,10 @@ impl Shown {
     #[must_use]
     pub fn new(scene: Scene) -> Self {
         use crate::frame::Drawing;
-        let origin = scene.objects.first().map(|o| o.surface.cage().origin());
         Self {
             surface: scene.framed_sphere(Drawing::Limit),
             cage: scene.framed_sphere(Drawing::Cage),
-            origin: origin.unwrap_or_default(),
+            origin: scene.origin(),
             scene,
         }
     }
@@ -128,8 +127,10 @@ pub struct Drawn {
 pub(super) struct Delivery {
     /// The order.
     pub(super) order: Order,
-    /// The window's pixels, and what the picture took; or what went wrong.
-    pub(super) result: Result<(Canvas, FrameStats), String>,
+    /// The window's pixels; what was there before, where something went wrong.
+    pub(super) canvas: Canvas,
+    /// What the picture took, or what went wrong.
+    pub(super) result: Result<FrameStats, String>,
     /// From the beginning of the order to its end.
     pub(super) took: Duration,
 }
@@ -182,7 +183,10 @@ pub(super) enum News {
         number: u64,
         result: Result<(Arc<Shown>, Vec<PathBuf>), String>,
     },
-    Saved(Result<String, String>),
+    Saved {
+        path: String,
+        result: Result<(), String>,
+    },
 }
 
 /// What a panic in the program's own work is called.
@@ -209,7 +213,8 @@ pub(super) fn start_drawing(
                 };
                 let result = guarded(|| studio.pool().install(work));
                 let delivery = Delivery {
-                    result: result.map(|stats| (canvas, stats)),
+                    canvas,
+                    result,
                     order,
                     took: begin.elapsed(),
                 };
@@ -253,7 +258,7 @@ pub(super) fn start_saving(
         .name("save".into())
         .spawn(move || {
             let result = guarded(|| studio.save(model, &flags, &shown, &path));
-            let _ = news.send(News::Saved(result.map(|()| path)));
+            let _ = news.send(News::Saved { path, result });
         })?;
     Ok(())
 }

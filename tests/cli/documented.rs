@@ -4,7 +4,7 @@ use super::harness::{Folder, asset, earmark, run, stdout};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Lines that begin with the program's name inside of shell blocks, and the examples of help texts.
+/// Lines that begin with the program's name inside of shell blocks.
 fn commands(text: &str) -> Vec<String> {
     let mut out = Vec::new();
     let mut inside = false;
@@ -32,15 +32,7 @@ fn documents() -> Vec<PathBuf> {
 
 /// A folder with all assets, one of which is called `model.obj`.
 fn workplace() -> Folder {
-    let folder = Folder::new("documented");
-    let beside = asset("");
-    for entry in fs::read_dir(&beside).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_file() {
-            let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            fs::copy(&path, folder.path(&name)).unwrap();
-        }
-    }
+    let folder = Folder::with_assets("documented");
     fs::create_dir(folder.path("assets")).unwrap();
     for name in ["creature.obj", "creature.mtl", "creature_skin.png"] {
         fs::copy(asset(name), folder.path("assets").join(name)).unwrap();

@@ -22,6 +22,20 @@ pub(crate) fn earmark() -> Command {
     command
 }
 
+/// Verbs that print help of their own.
+pub(crate) const VERBS: [&str; 10] = [
+    "render",
+    "view",
+    "turntable",
+    "refine",
+    "info",
+    "compare",
+    "batch",
+    "bench",
+    "completions",
+    "man",
+];
+
 pub(crate) fn run(arguments: &[&str]) -> Output {
     earmark().args(arguments).output().unwrap()
 }
@@ -71,6 +85,17 @@ impl Folder {
         let path = std::env::temp_dir().join(format!("earmark-{name}-{}-{n}", std::process::id()));
         fs::create_dir_all(&path).unwrap();
         Self(path)
+    }
+    /// One with a copy of every asset.
+    pub(crate) fn with_assets(name: &str) -> Self {
+        let folder = Self::new(name);
+        for entry in fs::read_dir(asset("")).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_file() {
+                fs::copy(&path, folder.0.join(path.file_name().unwrap())).unwrap();
+            }
+        }
+        folder
     }
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)

@@ -1,6 +1,7 @@
 //! Scenes and folders that several test targets use.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
+use earmark::golden::Goldens;
 use earmark::load::{LoadOptions, Loader};
 use earmark::topology::NONE;
 use earmark::{Scene, Surface};
@@ -9,6 +10,12 @@ use std::path::{Path, PathBuf};
 /// Folder of the project's own models.
 pub fn assets() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+}
+
+/// The golden pictures of this package stand beside its sources.
+pub fn goldens() -> Goldens {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    Goldens::of(manifest, "earmark").in_folder(&manifest.join("golden"))
 }
 
 /// Folder of models and reference data outside the project, if the variable EARMARK_SHARED names it. A missing folder then fails.

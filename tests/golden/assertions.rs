@@ -129,6 +129,12 @@ fn sizes_damage_and_names_are_failures_too() {
         assert!(goldens.check(name, &picture(1).into()).is_err(), "{name:?}");
     }
     assert!(!of.0.join("x.png").exists());
+    // A picture without pixels is none, accepted or not.
+    for goldens in [of.goldens().blessing(true), of.goldens()] {
+        let failure = goldens.check("none", &Image::new(0, 0).into()).unwrap_err();
+        assert!(matches!(failure.verdict(), Some(Verdict::Unreadable(_))));
+        assert!(!goldens.file("none").exists());
+    }
 }
 
 #[test]

@@ -1,11 +1,14 @@
 //! Which golden pictures there are, and how each is drawn.
 
-use earmark::Camera;
-use earmark::frame::Drawing;
+use crate::common;
+use earmark::frame::{Drawing, Refinement};
+use earmark::load::{LoadOptions, Loader};
+use earmark::mesh::resolver::NoFiles;
 use earmark::patch::PatchKind;
 use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::tessellate::{DepthTags, Pattern};
+use earmark::{Camera, Renderer, Scene, SurfaceOptions};
 
 /// A golden picture: what it shows, and how.
 pub(crate) struct Golden {
@@ -20,6 +23,88 @@ pub(crate) struct Golden {
     pub(crate) patches: PatchKind,
     /// Depth tags in place of the level, and whether vertices have random ones.
     pub(crate) tags: Option<(DepthTags, bool)>,
+}
+
+const ICOSAHEDRON: &str = "v -1 1.618034 0
+v 1 1.618034 0
+v -1 -1.618034 0
+v 1 -1.618034 0
+v 0 -1 1.618034
+v 0 1 1.618034
+v 0 -1 -1.618034
+v 0 1 -1.618034
+v 1.618034 0 -1
+v 1.618034 0 1
+v -1.618034 0 -1
+v -1.618034 0 1
+f 1 12 6
+f 1 6 2
+f 1 2 8
+f 1 8 11
+f 1 11 12
+f 2 6 10
+f 6 12 5
+f 12 11 3
+f 11 8 7
+f 8 2 9
+f 4 10 5
+f 4 5 3
+f 4 3 7
+f 4 7 9
+f 4 9 10
+f 5 10 6
+f 3 5 12
+f 7 3 11
+f 9 7 8
+f 10 9 2
+";
+
+impl Golden {
+    /// What it shows, without displacement.
+    pub(crate) fn scene(&self) -> Scene {
+        let mut loader = Loader::new(LoadOptions {
+            surface: SurfaceOptions {
+                scheme: Some(self.scheme),
+                patches: self.patches,
+                ..SurfaceOptions::default()
+            },
+            ..LoadOptions::default()
+        });
+        if self.asset == "icosahedron" {
+            let read = loader.read(ICOSAHEDRON.as_bytes(), self.asset, &mut NoFiles);
+            let cage = read.unwrap().cage;
+            loader.add_cage(cage, self.asset, &mut NoFiles).unwrap();
+        } else {
+            let path = common::assets().join(format!("{}.obj", self.asset));
+            loader.add_file(&path).unwrap();
+        }
+        let mut scene = loader.finish().0;
+        if let Some((_, true)) = self.tags {
+            let mut numbers = common::Random(11);
+            let count = scene.objects[0].surface.cage().points().len();
+            // Few vertices have tags that differ.
+            const FEW: [u8; 8] = [5, 0, 4, 1, 5, 2, 3, 0];
+            let tags = (0..count).map(|k| match count <= FEW.len() {
+                true => FEW[k],
+                false => (numbers.next() % 6) as u8,
+            });
+            scene.objects[0].depth_tags = tags.collect();
+        }
+        scene
+    }
+
+    /// How it is drawn.
+    pub(crate) fn renderer(&self) -> Renderer {
+        let mut renderer = Renderer::new(256, 256);
+        renderer.size.samples = self.samples;
+        renderer.refinement = match self.tags {
+            Some((tags, _)) => Refinement::DepthTags(tags),
+            None => Refinement::Uniform(self.level),
+        };
+        renderer.drawing = self.drawing;
+        renderer.mode = self.mode;
+        renderer
+    }
 }
 
 /// Scheme and level are part of the name. `more` are further assets with their level and the rest of their name.

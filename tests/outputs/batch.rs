@@ -115,6 +115,8 @@ fn lines_that_are_no_jobs_are_named_before_any_work() {
         "{\"a\": 1}",
         "[1, 2]",
         "[\"batch\", \"x\"]",
+        "[\"view\", \"x\"]",
+        "[\"bench\", \"cold\"]",
         "[\"render\"",
     ] {
         let out = batch(&folder, &[good.clone(), bad.to_owned()], &[]);

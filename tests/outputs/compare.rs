@@ -302,4 +302,15 @@ fn unreadable_pictures_are_never_accepted() {
         assert_eq!(code(&compare(&goldens.join(name), &new.join(name), &[])), 0);
     }
     assert_eq!(code(&run(&["compare", "a.png"])), 2);
+    // A damaged picture without a golden is no new one.
+    fs::write(new.join("d.png"), "no picture").unwrap();
+    let out = compare(&goldens, &new, &["--accept"]);
+    assert_eq!(code(&out), 3);
+    assert!(stderr(&out).contains("d.png") && !goldens.join("d.png").exists());
+    // Nor is one that takes more memory than there may be.
+    fs::remove_file(new.join("d.png")).unwrap();
+    write(&new.join("e.png"), &Image::new(4000, 4000));
+    let out = compare(&goldens, &new, &["--accept", "--max-memory", "100M"]);
+    assert_eq!(code(&out), 5, "{}", stderr(&out));
+    assert!(!goldens.join("e.png").exists());
 }

@@ -1,14 +1,14 @@
 //! Pictures of line work against `golden/`, pixel by pixel, as `tests/golden.rs` has it.
 
 use super::asset;
-use earmark::film::{self, Image};
+use super::common::goldens;
+use earmark::film::Image;
 use earmark::frame::Refinement;
 use earmark::overlay::{self, Layers, Options};
 use earmark::scheme::Scheme;
 use earmark::simd::Level;
 use earmark::tessellate::{DepthTags, Pattern};
 use earmark::{Camera, Renderer, Scene, Surface, SurfaceOptions};
-use std::path::{Path, PathBuf};
 
 /// Name, asset, level (none is adaptive), what is drawn, and whether on paper alone.
 const ALL: [(&str, &str, Option<u32>, &str, bool); 9] = [
@@ -71,11 +71,6 @@ const ALL: [(&str, &str, Option<u32>, &str, bool); 9] = [
     ("overlay_pattern", "cube", None, "wireframe,patches", false),
 ];
 
-fn path(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden");
-    folder.join(format!("{name}.png"))
-}
-
 fn scene_of(name: &str, model: &str) -> Scene {
     if model != "octahedron" {
         return asset(model);
@@ -123,46 +118,37 @@ fn draw(k: usize, simd: Level) -> Image {
 
 #[test]
 fn pictures_equal_their_goldens() {
-    let bless = std::env::var_os("EARMARK_BLESS").is_some_and(|v| v == "1");
-    let mut wrong = Vec::new();
+    let store = goldens();
+    let strict = store.clone().blessing(false);
+    let mut failures = Vec::new();
+    let mut written = 0;
     for (k, (name, ..)) in ALL.iter().enumerate() {
-        let expected = std::fs::read(path(name)).ok().map(|bytes| {
-            let picture = image::load_from_memory(&bytes).unwrap().into_rgba8();
-            Image {
-                width: picture.width(),
-                height: picture.height(),
-                data: picture.into_raw(),
-            }
-        });
         let actual = draw(k, Level::detect());
-        if expected.as_ref() == Some(&actual) {
+        let Err(failure) = strict.check(name, &actual.into()) else {
+            continue;
+        };
+        if !store.is_blessing() {
+            failures.push(failure.to_string());
             continue;
         }
-        wrong.push(*name);
-        let (image, to) = match bless {
-            true => (draw(k, Level::SCALAR), path(name)),
-            false => {
-                let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("overlay");
-                std::fs::create_dir_all(&folder).unwrap();
-                (actual, folder.join(format!("{name}.actual.png")))
-            }
-        };
-        std::fs::write(to, film::png::encode(&image).unwrap()).unwrap();
+        let image = draw(k, Level::SCALAR);
+        store.write(name, &image.into()).unwrap();
+        written += 1;
     }
-    assert!(
-        wrong.is_empty(),
-        "{wrong:?} differ or are new; actual pictures are in the target folder's tmp/overlay, or written to golden/ by EARMARK_BLESS=1"
+    assert_eq!(
+        written, 0,
+        "{written} goldens written; look at them, then run again without EARMARK_BLESS"
     );
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]
 fn every_golden_of_lines_is_read() {
-    for entry in std::fs::read_dir(path("x").parent().unwrap()).unwrap() {
-        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
-        let known = ALL.iter().any(|(n, ..)| format!("{n}.png") == name);
-        assert!(
-            known || !name.starts_with("overlay_"),
-            "golden/{name} is read by no test"
-        );
-    }
+    let mut dead = goldens().dead(ALL.iter().map(|(name, ..)| *name)).unwrap();
+    // The others are read by tests of their own.
+    dead.retain(|name| name.starts_with("overlay_"));
+    assert_eq!(dead, Vec::<String>::new(), "goldens that no test reads");
+    // One that is not asked for is found.
+    let dead = goldens().dead(ALL[1..].iter().map(|(name, ..)| *name));
+    assert!(dead.unwrap().iter().any(|name| name == ALL[0].0));
 }

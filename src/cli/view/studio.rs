@@ -10,12 +10,13 @@ use clap::{ArgMatches, Command, FromArgMatches, Parser};
 use earmark::window::{Draft, Drawn, Flags, Loaded, Order, Shown, Start, Studio, Task, shell_line};
 use earmark::{Camera, files, film};
 use std::ffi::OsString;
+use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
-/// Flags that change no pixel, or that a picture gets from the camera.
+/// Flags that change no pixel, or that a picture gets from the window. Those of the camera are not among them.
 const NOT_SAID: &[&str] = &[
     "models",
     "threads",
@@ -29,16 +30,6 @@ const NOT_SAID: &[&str] = &[
     "progress",
     "color",
     "size",
-    "azimuth",
-    "elevation",
-    "zoom",
-    "fov",
-    "ortho",
-    "eye",
-    "target",
-    "up",
-    "near",
-    "far",
 ];
 
 /// `earmark render` alone.
@@ -58,7 +49,7 @@ struct Draughtsman {
 
 /// The program's part of the window.
 pub(super) struct Viewer {
-    names: Vec<String>,
+    models: Vec<PathBuf>,
     running: RunningFlags,
     stdin: Option<Arc<[u8]>>,
     pool: rayon::ThreadPool,
@@ -98,7 +89,26 @@ fn given(command: &Command, matches: &ArgMatches) -> Flags {
             flags.set(long, joined);
         }
     }
+    // Pictures get it from the window.
+    flags.set_camera(&Camera::default());
     flags
+}
+
+/// What a panic in the work is for the window.
+fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    std::panic::catch_unwind(AssertUnwindSafe(work))
+        .unwrap_or_else(|_| Err(text(crate::cli::internal())))
+}
+
+/// The draughtsman, who goes on after a panic without what he had in hand.
+fn taken(drawing: &Mutex<Draughtsman>) -> MutexGuard<'_, Draughtsman> {
+    drawing.lock().unwrap_or_else(|poisoned| {
+        drawing.clear_poison();
+        let mut draughtsman = poisoned.into_inner();
+        draughtsman.read = None;
+        draughtsman.job.kept = None;
+        draughtsman
+    })
 }
 
 impl Viewer {
@@ -123,7 +133,7 @@ impl Viewer {
         drawing.measure = false;
         let deadline = a.running.timeout.and_then(|t| job.start.checked_add(t));
         let viewer = Self {
-            names: a.models.iter().map(|m| m.display().to_string()).collect(),
+            models: a.models.clone(),
             running,
             stdin,
             pool: pool_of(job.threads)?,
@@ -153,9 +163,12 @@ impl Viewer {
 
     /// A model's name as an argument; one that looks like a flag gets a folder.
     fn model_token(&self, model: usize) -> OsString {
-        let name = self.names.get(model).cloned().unwrap_or_default();
-        let flag_like = name.starts_with('-') && name != "-";
-        OsString::from(if flag_like { format!("./{name}") } else { name })
+        let path = self.models.get(model).cloned().unwrap_or_default();
+        let name = path.as_os_str().as_encoded_bytes();
+        match name.starts_with(b"-") && name != b"-" {
+            true => Path::new(".").join(path).into(),
+            false => path.into(),
+        }
     }
 
     fn tokens(&self, model: usize, flags: &Flags, path: &str) -> Vec<OsString> {
@@ -187,7 +200,7 @@ impl Viewer {
     }
 }
 
-/// What of the arguments a picture of the window has otherwise, and how it was before.
+/// Changes what a picture of the window has otherwise.
 fn at_draft(a: &mut render::Arguments, order: &Order, draft: &Draft) {
     a.picture.size = draft.size(order.size);
     a.picture.samples = a.picture.samples.min(draft.samples);
@@ -225,47 +238,48 @@ fn over(color: [u8; 4], backdrop: [u8; 4]) -> [u8; 4] {
 }
 
 impl Studio for Viewer {
-    fn models(&self) -> &[String] {
-        &self.names
+    fn models(&self) -> &[PathBuf] {
+        &self.models
     }
 
     fn load(&self, model: usize, flags: &Flags, task: &Task) -> Result<Loaded, String> {
-        let a = self.arguments(model, flags, "none.png")?;
-        let mut job = self.job(&task.cancelled).map_err(text)?;
-        let told = task.clone();
-        job.tell = Some(Box::new(move |stage| told.say(stage)));
-        let scene = self
-            .loading
-            .install(|| render::scene(&mut job, &a, &a.models));
-        let scene = scene.map_err(text)?;
-        let mut files: Vec<PathBuf> = a.models.clone();
-        files.extend(render::named_files(&a).into_iter().map(Path::to_owned));
-        files.append(&mut job.named);
-        Ok(Loaded { scene, files })
+        guarded(|| {
+            let a = self.arguments(model, flags, "none.png")?;
+            let mut job = self.job(&task.cancelled).map_err(text)?;
+            let told = task.clone();
+            job.tell = Some(Box::new(move |stage| told.say(stage)));
+            let scene = self
+                .loading
+                .install(|| render::scene(&mut job, &a, &a.models));
+            let scene = scene.map_err(text)?;
+            let inputs = render::inputs(&a);
+            let mut files: Vec<PathBuf> = inputs.into_iter().map(Path::to_owned).collect();
+            files.append(&mut job.named);
+            Ok(Loaded { scene, files })
+        })
     }
 
     fn draw(&self, order: &Order) -> Result<Drawn, String> {
-        let broken = |_| "a picture went wrong before".to_owned();
-        let Draughtsman { job, read } = &mut *self.drawing.lock().map_err(broken)?;
-        let a = match read {
-            Some((flags, a)) if *flags == order.flags => a,
-            _ => {
-                let a = self.arguments(0, &order.flags, "none.png")?;
-                &mut read.insert((order.flags.clone(), a)).1
-            }
-        };
-        let before = (a.picture.clone(), a.level.level);
-        at_draft(a, order, &order.draft);
-        job.set_cancelled(&order.cancelled);
-        job.measure = order.measure;
-        job.uniform = order.draft.uniform;
-        let sphere = order.shown.sphere(&order.flags);
-        let frame = draw::draw_scene(job, a, &order.shown.scene, Some(sphere));
-        (a.picture, a.level.level) = before;
-        let frame = frame.map_err(text)?;
-        Ok(Drawn {
-            image: frame.image,
-            stats: frame.stats,
+        guarded(|| {
+            let Draughtsman { job, read } = &mut *taken(&self.drawing);
+            let mut a = match read {
+                Some((flags, a)) if *flags == order.flags => a.clone(),
+                _ => {
+                    let a = self.arguments(0, &order.flags, "none.png")?;
+                    read.insert((order.flags.clone(), a)).1.clone()
+                }
+            };
+            at_draft(&mut a, order, &order.draft);
+            job.set_cancelled(&order.cancelled);
+            job.measure = order.measure;
+            job.uniform = order.draft.uniform;
+            let sphere = order.shown.sphere(&order.flags);
+            let frame = draw::draw_scene(job, &a, &order.shown.scene, Some(sphere));
+            let frame = frame.map_err(text)?;
+            Ok(Drawn {
+                image: frame.image,
+                stats: frame.stats,
+            })
         })
     }
 
@@ -273,12 +287,11 @@ impl Studio for Viewer {
         let a = self.arguments(model, flags, path)?;
         let write = || {
             let mut job = self.job(&Arc::default())?;
-            let inputs = render::input_paths(&a.models);
-            let output = Output::checked(&a.output, &["png"], &inputs)?;
+            let output = Output::checked(&a.output, &["png"], &render::inputs(&a))?;
             let frame = draw::draw_scene(&mut job, &a, &shown.scene, None)?;
             output.stage(&film::png::encode(&frame.image)?)?.commit()
         };
-        self.pool.install(write).map_err(text)
+        guarded(|| self.pool.install(write).map_err(text))
     }
 
     fn command(&self, model: usize, flags: &Flags, path: &str) -> String {
@@ -299,5 +312,41 @@ impl Studio for Viewer {
     fn ended(&self) -> bool {
         let late = self.deadline.is_some_and(|d| Instant::now() >= d);
         late || self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_one_picture_and_no_more() {
+        let drawing = Mutex::new(Draughtsman {
+            job: Job::new(Instant::now(), &RunningFlags::default()).unwrap(),
+            read: None,
+        });
+        let a = Reader::try_parse_from(["a.obj", "-o", "a.png"]).unwrap();
+        let ended = guarded(|| -> Result<(), String> {
+            let mut draughtsman = taken(&drawing);
+            draughtsman.read = Some((Flags::default(), a.arguments));
+            draughtsman.job.kept = Some(earmark::Renderer::new(8, 8));
+            panic!("a defect, as this test wants it");
+        });
+        assert!(ended.unwrap_err().starts_with("internal error"));
+        assert!(drawing.is_poisoned());
+        let draughtsman = taken(&drawing);
+        assert!(draughtsman.read.is_none() && draughtsman.job.kept.is_none());
+        assert!(!drawing.is_poisoned());
+    }
+
+    #[test]
+    fn the_camera_is_not_among_the_flags_that_were_given() {
+        let line =
+            "earmark view a.obj --shade flat --zoom 2 --eye 1,2,3 --ortho --near 0.1 --size 9x9";
+        let command = crate::cli::command();
+        let matches = command.clone().get_matches_from(line.split(' '));
+        let (name, matches) = matches.subcommand().unwrap();
+        let flags = given(command.find_subcommand(name).unwrap(), matches);
+        assert_eq!(flags.tokens(), ["--shade", "flat"]);
     }
 }

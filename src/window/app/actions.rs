@@ -6,7 +6,7 @@ use crate::window::hud::{Theme, help};
 use crate::window::keys::Action;
 use crate::window::look::Look;
 use crate::window::studio::{Shown, Task, start_loading, start_saving};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -55,8 +55,7 @@ impl App {
             }
             Action::Model(by) => {
                 let count = self.studio.models().len() as i32;
-                let from = self.loading.as_ref().map_or(self.model, |l| l.model);
-                let next = (from as i32 + by).rem_euclid(count.max(1)) as usize;
+                let next = (self.next_model() as i32 + by).rem_euclid(count.max(1)) as usize;
                 if count > 1 {
                     let look = self.next_look();
                     self.load(next, look);
@@ -64,7 +63,7 @@ impl App {
             }
             Action::Reload => {
                 let look = self.next_look();
-                self.load(self.model, look);
+                self.load(self.next_model(), look);
             }
             Action::Print => {
                 let line = self.command_line();
@@ -90,6 +89,11 @@ impl App {
             .clone()
     }
 
+    /// The model that is shown, or will be as soon as it is loaded.
+    fn next_model(&self) -> usize {
+        self.loading.as_ref().map_or(self.model, |l| l.model)
+    }
+
     /// Goes over to other flags: at once, or as soon as the model is loaded with them.
     fn take(&mut self, look: Look) {
         let loaded_so = look.flags.of_model() == self.look.flags.of_model();
@@ -99,8 +103,7 @@ impl App {
             self.quality.forget();
             self.change();
         } else {
-            let model = self.loading.as_ref().map_or(self.model, |l| l.model);
-            self.load(model, look);
+            self.load(self.next_model(), look);
         }
     }
 
@@ -110,7 +113,7 @@ impl App {
         }
         self.loads += 1;
         let task = Task::new(self.name(model));
-        let path = self.studio.models().get(model).map(PathBuf::from);
+        let path = self.studio.models().get(model).cloned();
         let path = path.unwrap_or_default();
         let file = (path.clone(), mark(&path));
         let started = start_loading(
@@ -120,7 +123,7 @@ impl App {
             (self.loads, task.clone()),
         );
         match started {
-            Err(e) => self.fault = Some(format!("no thread to load with: {}", e.kind())),
+            Err(e) => self.broken = Some(format!("no thread to load with: {}", e.kind())),
             Ok(()) => {
                 self.loading = Some(Loading {
                     task,
@@ -138,24 +141,26 @@ impl App {
         &mut self,
         loading: Loading,
         result: Result<(Arc<Shown>, Vec<PathBuf>), String>,
+        now: Instant,
     ) {
         self.stale = true;
         match result {
             Ok((shown, files)) => {
+                // What is being drawn is of the model before, as are the times that say whether it is waited for.
+                self.movement(now);
                 let expected = expected(shown.scene.face_count(), self.size);
                 self.shown = Some(shown);
                 self.changes = Changes::of(files);
                 self.changes.was(&loading.file.0, loading.file.1);
                 self.model = loading.model;
                 self.look = loading.look;
-                self.fault = None;
+                (self.broken, self.fault) = (None, None);
                 // A draft first, if the picture is expected to take long.
                 self.quality.begin(expected);
-                self.movement(Instant::now());
             }
             Err(why) => {
                 // What was there goes on being shown, and its files are watched until they can be read.
-                self.fault = Some(why);
+                self.broken = Some(why);
                 if self.shown.is_none() {
                     let (path, mark) = loading.file;
                     self.changes = Changes::of([path.clone()]);
@@ -166,13 +171,14 @@ impl App {
         }
     }
 
-    /// The path that the picture is written to: the model's name, or with the first number that is free.
+    /// The path that the picture is written to: the model's name, or with the first number that is free. Pictures that are being written are
+    /// there already.
     fn picture_path(&self) -> String {
-        let name = self.studio.models().get(self.model).map(PathBuf::from);
+        let name = self.studio.models().get(self.model);
         let stem = name.and_then(|n| Some(n.file_stem()?.to_string_lossy().into_owned()));
         let stem = stem.filter(|s| !s.starts_with('-'));
         let stem = stem.unwrap_or_else(|| "picture".into());
-        let free = |path: &String| !PathBuf::from(path).exists();
+        let free = |path: &String| !self.saving.contains(path) && !Path::new(path).exists();
         let first = format!("{stem}.png");
         let others = (2..10_000).map(|k| format!("{stem}-{k}.png"));
         std::iter::once(first)
@@ -199,9 +205,9 @@ impl App {
         );
         match started {
             Ok(()) => {
-                self.saving += 1;
                 self.studio.print(&line);
                 self.say(format!("writing {path}"), now);
+                self.saving.push(path);
             }
             Err(e) => self.fault = Some(format!("no thread to write with: {}", e.kind())),
         }

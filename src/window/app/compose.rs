@@ -74,7 +74,7 @@ impl App {
             );
         }
         let mut lines = Vec::new();
-        if let Some(fault) = &self.fault {
+        for fault in [&self.broken, &self.fault].into_iter().flatten() {
             lines.extend(figures::wrapped(fault, self.size[0], scale).map(|l| (Tone::Fault, l)));
         }
         if let Some((message, _)) = &self.message {

@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicU64;
 type Asked = (String, f64, usize);
 
 struct Fake {
-    models: Vec<String>,
+    models: Vec<PathBuf>,
     pool: rayon::ThreadPool,
     drawn: Mutex<Vec<Asked>>,
     cancelled: AtomicU64,
@@ -23,6 +23,8 @@ struct Fake {
     /// Nothing is loaded as long as it is set.
     held: AtomicBool,
     broken: AtomicBool,
+    /// Nothing is written as long as it is set.
+    writes_held: AtomicBool,
 }
 
 fn scene() -> Scene {
@@ -37,7 +39,7 @@ fn sleep(ms: u64) {
 }
 
 impl Studio for Fake {
-    fn models(&self) -> &[String] {
+    fn models(&self) -> &[PathBuf] {
         &self.models
     }
     fn load(&self, _: usize, _: &Flags, task: &Task) -> Result<Loaded, String> {
@@ -78,12 +80,15 @@ impl Studio for Fake {
         })
     }
     fn save(&self, _: usize, _: &Flags, _: &Shown, path: &str) -> Result<(), String> {
+        while self.writes_held.load(Ordering::Relaxed) {
+            sleep(1);
+        }
         self.print(&format!("saved {path}"));
         Ok(())
     }
     fn command(&self, model: usize, flags: &Flags, path: &str) -> String {
         let flags = crate::window::shell_line(&flags.tokens());
-        format!("draw {} {path} {flags}", self.models[model])
+        format!("draw {} {path} {flags}", self.models[model].display())
     }
     fn print(&self, line: &str) {
         self.printed.lock().unwrap().push(line.to_owned());
@@ -111,6 +116,7 @@ fn open() -> (Arc<Fake>, App) {
         slow: AtomicU64::new(0),
         held: AtomicBool::new(false),
         broken: AtomicBool::new(false),
+        writes_held: AtomicBool::new(false),
     });
     let start = Start {
         flags: Flags::default(),
@@ -123,13 +129,18 @@ fn open() -> (Arc<Fake>, App) {
 }
 
 /// Lets time pass until something holds.
-fn until(app: &mut App, mut holds: impl FnMut(&App) -> bool) {
+fn until(app: &mut App, holds: impl FnMut(&App) -> bool) {
+    until_by(app, Instant::now, holds);
+}
+
+/// Lets threads work until something holds, while the view's clock says what it is told to.
+fn until_by(app: &mut App, now: impl Fn() -> Instant, mut holds: impl FnMut(&App) -> bool) {
     let begin = Instant::now();
     while !holds(app) {
         assert!(begin.elapsed() < Duration::from_secs(20), "it never holds");
-        app.tick(Instant::now());
-        app.frame(Instant::now());
-        app.wait(Duration::from_millis(1)).unwrap();
+        app.tick(now()).unwrap();
+        app.frame(now());
+        app.wait(Duration::from_millis(1));
     }
 }
 
@@ -143,12 +154,16 @@ fn press(app: &mut App, press: Press) {
 }
 
 fn point(app: &mut App, x: f64, y: f64, left: bool) {
+    point_at(app, [x, y], left, Instant::now());
+}
+
+fn point_at(app: &mut App, at: [f64; 2], left: bool, now: Instant) {
     let pointer = Pointer {
-        at: [x, y],
+        at,
         buttons: [left, false, false],
         ..Pointer::default()
     };
-    app.event(Event::Pointer(pointer), Instant::now());
+    app.event(Event::Pointer(pointer), now);
 }
 
 #[test]
@@ -160,12 +175,19 @@ fn drags_are_drawn_and_end_in_a_full_picture() {
     fake.slow.store(60, Ordering::Relaxed);
     press(&mut app, Press::Char('o'));
     until(&mut app, rests);
-    point(&mut app, 100.0, 100.0, false);
+    let now = Instant::now();
+    point_at(&mut app, [100.0, 100.0], false, now);
     let before = fake.drawn.lock().unwrap().len();
-    point(&mut app, 110.0, 100.0, true);
-    until(&mut app, |a| a.drawn.is_some_and(|d| d == (a.state, d.1)));
-    point(&mut app, 120.0, 100.0, false);
-    until(&mut app, rests);
+    point_at(&mut app, [110.0, 100.0], true, now);
+    // However long it takes, the mouse has just moved.
+    until_by(
+        &mut app,
+        || now,
+        |a| a.drawn.is_some_and(|d| d == (a.state, d.1)),
+    );
+    point_at(&mut app, [120.0, 100.0], false, now);
+    // And from here on it rests.
+    until_by(&mut app, || now + STILL, rests);
     let drawn = fake.drawn.lock().unwrap()[before..].to_vec();
     assert!(drawn.iter().any(|d| d.2 > 0), "{drawn:?}");
     // 20 pixels of a window that is 200 high.
@@ -185,12 +207,76 @@ fn a_movement_cancels_what_would_come_too_late() {
     until(&mut app, |a| {
         a.drawing.as_ref().is_some_and(|d| d.step == 0)
     });
-    point(&mut app, 100.0, 100.0, false);
-    point(&mut app, 130.0, 100.0, true);
-    let begin = Instant::now();
-    until(&mut app, |a| a.drawn.is_some_and(|d| d.0 == a.state));
-    assert!(begin.elapsed() < Duration::from_secs(3));
+    let now = Instant::now();
+    point_at(&mut app, [100.0, 100.0], false, now);
+    point_at(&mut app, [130.0, 100.0], true, now);
+    let drawn = |a: &App| a.drawn.is_some_and(|d| d.0 == a.state);
+    until_by(&mut app, || now, drawn);
+    assert!(app.drawn.is_some_and(|d| d.1 > 0), "the full one was drawn");
     assert_eq!(fake.cancelled.load(Ordering::Relaxed), 1);
+}
+
+/// What takes too long is known from the model that is drawn, not guessed from the next one.
+#[test]
+fn another_model_cancels_what_is_drawn_of_the_last() {
+    let (fake, mut app) = open();
+    until(&mut app, rests);
+    fake.slow.store(100, Ordering::Relaxed);
+    press(&mut app, Press::Char('o'));
+    until(&mut app, rests);
+    fake.slow.store(5_000, Ordering::Relaxed);
+    press(&mut app, Press::Char('o'));
+    until(&mut app, |a| {
+        a.drawing.as_ref().is_some_and(|d| d.step == 0)
+    });
+    fake.slow.store(0, Ordering::Relaxed);
+    press(&mut app, Press::Right);
+    until(&mut app, rests);
+    assert_eq!(app.title(), "b.obj - earmark");
+    assert_eq!(fake.cancelled.load(Ordering::Relaxed), 1);
+}
+
+#[test]
+fn late_pictures_of_another_model_are_no_measure() {
+    let (_, mut app) = open();
+    until(&mut app, rests);
+    let times = |app: &App| format!("{:?}", app.quality);
+    let before = times(&app);
+    let late = |shown: Arc<Shown>, app: &App| Delivery {
+        order: Order {
+            flags: Flags::default(),
+            camera: Camera::default(),
+            model: 0,
+            shown,
+            size: SIZE,
+            draft: LADDER[0],
+            step: 0,
+            backdrop: [0; 4],
+            measure: false,
+            cancelled: Arc::default(),
+            state: app.state,
+        },
+        canvas: Canvas::default(),
+        result: Ok(FrameStats::default()),
+        took: Duration::from_secs(9),
+    };
+    let delivery = late(Arc::new(Shown::new(scene())), &app);
+    app.delivered(delivery, Instant::now());
+    assert_eq!(times(&app), before);
+    let own = app.shown.clone().unwrap();
+    let delivery = late(own, &app);
+    app.delivered(delivery, Instant::now());
+    assert_ne!(times(&app), before);
+}
+
+#[test]
+fn a_thread_that_is_not_there_is_an_error() {
+    let (_, mut app) = open();
+    until(&mut app, rests);
+    app.orders = channel().0;
+    press(&mut app, Press::Char('o'));
+    assert_eq!(app.tick(Instant::now()), Err(WindowError::Thread));
+    assert!(!app.is_done());
 }
 
 #[test]
@@ -200,12 +286,16 @@ fn a_broken_file_leaves_the_model() {
     fake.broken.store(true, Ordering::Relaxed);
     press(&mut app, Press::Up);
     until(&mut app, |a| a.loading.is_none());
-    assert_eq!(app.fault.as_deref(), Some("a.obj:3: broken"));
+    assert_eq!(app.broken.as_deref(), Some("a.obj:3: broken"));
     assert!(app.shown.is_some());
+    // It stays broken whatever else is drawn.
+    press(&mut app, Press::Char('c'));
+    until(&mut app, rests);
+    assert_eq!(app.broken.as_deref(), Some("a.obj:3: broken"));
     fake.broken.store(false, Ordering::Relaxed);
     press(&mut app, Press::Up);
     until(&mut app, rests);
-    assert_eq!(app.fault, None);
+    assert_eq!((&app.broken, &app.fault), (&None, &None));
 }
 
 #[test]
@@ -244,6 +334,13 @@ fn models_go_round_and_the_last_one_asked_for_is_shown() {
     press(&mut app, Press::Left);
     until(&mut app, rests);
     assert_eq!(app.title(), "a.obj - earmark");
+    // Reading again means the model that is on its way.
+    fake.held.store(true, Ordering::Relaxed);
+    press(&mut app, Press::Right);
+    press(&mut app, Press::Char('r'));
+    fake.held.store(false, Ordering::Relaxed);
+    until(&mut app, rests);
+    assert_eq!(app.title(), "b.obj - earmark");
 }
 
 #[test]
@@ -258,6 +355,25 @@ fn pictures_are_saved_with_the_flags_that_are_printed() {
     let line = "draw no/such/folder/a.obj a.png --level 3 --size 320x200";
     let printed = fake.printed.lock().unwrap().clone();
     assert_eq!(printed, [line, line, "saved a.png"]);
+}
+
+#[test]
+fn no_picture_takes_the_path_of_one_being_written() {
+    let (fake, mut app) = open();
+    until(&mut app, rests);
+    fake.writes_held.store(true, Ordering::Relaxed);
+    press(&mut app, Press::Char('s'));
+    press(&mut app, Press::Char('s'));
+    assert_eq!(app.saving, ["a.png", "a-2.png"]);
+    press(&mut app, Press::Escape);
+    app.wait(Duration::from_millis(20));
+    assert!(!app.is_done());
+    fake.writes_held.store(false, Ordering::Relaxed);
+    until(&mut app, App::is_done);
+    let mut written = fake.printed.lock().unwrap().clone();
+    written.retain(|line| line.starts_with("saved "));
+    written.sort();
+    assert_eq!(written, ["saved a-2.png", "saved a.png"]);
 }
 
 #[test]
