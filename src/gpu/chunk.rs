@@ -3,9 +3,9 @@
 
 use super::dicer::{Dicer, FaceTable, Owners};
 use super::error::GpuError;
-use super::pipelines::ACROSS;
 use super::plan::{ObjectPlan, PlannedBlock};
 use super::records::{Block, Chunk, Face, Move, POINT_FLOATS, Record, Spot, Stencil, words};
+use super::wgsl::BLOCK_BITS;
 use crate::limits::Budget;
 use std::collections::HashMap;
 
@@ -65,10 +65,10 @@ impl ChunkData {
             blocks: self.blocks.len() as u32,
             spots: self.spots.len() as u32,
             phase,
-            groups: ACROSS,
             triangles: u32::from(self.triangles),
             large: self.quads,
             patches: u32::from(self.patches),
+            padding: 0,
         }
     }
 
@@ -97,7 +97,7 @@ struct Builder {
 }
 
 /// Blocks of a chunk that an entry of the list of large quads can name.
-const MOST_BLOCKS: usize = 1 << 22;
+const MOST_BLOCKS: usize = 1 << (u32::BITS - 2 * BLOCK_BITS);
 
 /// Chunks of all objects. `limit` is the size of the largest binding in bytes.
 pub(super) fn chunks(
@@ -254,8 +254,7 @@ impl Builder {
                 moves: first,
                 move_count: b.moves[1] - b.moves[0],
                 level: b.shown,
-                first_quad: self.data.quads,
-                padding: [0; 2],
+                padding: [0; 3],
             });
             self.data.block_points += ((1 << b.log) + 1) * ((1 << b.log) + 1);
             self.data.quads += 1 << (2 * b.log);

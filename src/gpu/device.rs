@@ -39,7 +39,7 @@ impl AdapterKind {
     }
 }
 
-/// What is known of an adapter before it is opened.
+/// What is known of an adapter, or of a device that was opened, which may use less than its adapter has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterSummary {
     /// Name of the device.
@@ -191,7 +191,11 @@ impl Gpu {
     }
 
     fn of_adapter(adapter: &wgpu::Adapter, options: &DeviceOptions) -> Result<Self, GpuError> {
-        let summary = summary_of_adapter(adapter);
+        let mut summary = summary_of_adapter(adapter);
+        if options.max_binding != 0 {
+            summary.max_binding = summary.max_binding.min(options.max_binding);
+        }
+        summary.wide_atomics &= !options.two_pass;
         let optional = WIDE | wgpu::Features::TIMESTAMP_QUERY;
         let limits = adapter.limits();
         let wanted = wgpu::DeviceDescriptor {
@@ -205,12 +209,9 @@ impl Gpu {
                 reason: e.to_string(),
             })?;
         let gpu = Self {
-            max_binding: match options.max_binding {
-                0 => summary.max_binding,
-                asked => asked.min(summary.max_binding),
-            },
+            max_binding: summary.max_binding,
             max_buffer: limits.max_buffer_size,
-            wide: summary.wide_atomics && !options.two_pass,
+            wide: summary.wide_atomics,
             timestamps: summary.timestamps,
             device,
             queue,

@@ -4,13 +4,14 @@ use super::chunk::{ChunkData, chunks};
 use super::device::Gpu;
 use super::dicer::Dicer;
 use super::error::GpuError;
-use super::pipelines::{ACROSS, GROUP, Pipelines, Stage};
+use super::pipelines::{Pipelines, Stage};
 use super::plan::plan;
 use super::read_back::{ReadBlock, read, read_floats};
-use super::records::{Chunk, Frame, Material, POINT_FLOATS, Record, words};
+use super::records::{Frame, Material, POINT_FLOATS, Record, words};
 use super::timer::Timer;
-use super::upload::{DeviceChunk, device_chunk, point_words, textures, uniform};
+use super::upload::{DeviceChunk, device_chunk, point_words, textures};
 use super::view::{Drawn, frame_record};
+use super::wgsl::GROUP;
 use crate::camera::{Camera, View};
 use crate::film::{Film, Image};
 use crate::frame::{Renderer, Scene};
@@ -248,13 +249,6 @@ impl<'a> GpuScene<'a> {
         // The picture, and its bytes as they come down.
         budget.take("the picture", 2 * u128::from(image_bytes), 0)?;
         let staging = gpu.empty("picture", image_bytes, Usage::COPY_DST | Usage::MAP_READ)?;
-        let whole = uniform(
-            gpu,
-            &Chunk {
-                groups: ACROSS,
-                ..Chunk::default()
-            },
-        )?;
         let mut bands = Vec::new();
         for start in (0..size.height).step_by(rows as usize) {
             let end = (start + rows).min(size.height);
@@ -298,7 +292,7 @@ impl<'a> GpuScene<'a> {
                     ],
                 )
             });
-            let film = [(0, &frame), (1, &whole), (2, &sums), (3, &image)];
+            let film = [(0, &frame), (1, &sums), (2, &image)];
             bands.push(Band {
                 rows: [start, end],
                 tile: all(&pipelines.tile),
@@ -386,6 +380,11 @@ impl<'a> GpuScene<'a> {
                 what: "views of another size than the scene was made for",
             });
         }
+        let gpu = self.gpu;
+        gpu.caught(|| self.drawn_from(view))
+    }
+
+    fn drawn_from(&mut self, view: &View) -> Result<GpuFrame, GpuError> {
         let begin = Instant::now();
         let mut stats = self.stats.clone();
         let queue = self.gpu.queue();

@@ -6,10 +6,10 @@
 
 use super::device::Gpu;
 use super::error::GpuError;
-use super::pipelines::{ACROSS, GROUP, Stage, module, stage};
+use super::pipelines::{Stage, module, stage};
 use super::records::{Record, Step, words};
 use super::timer::Timer;
-use super::wgsl;
+use super::wgsl::{self, ALIGN, GROUP};
 use crate::dice::MAX_LEVEL;
 use crate::scheme::{CreaseMethod, Scheme};
 use crate::surface::Surface;
@@ -84,7 +84,7 @@ impl Counts {
             vertices: self.vertices,
             edges: self.edges,
             faces: self.faces,
-            groups: ACROSS,
+            padding: 0,
         }
     }
 }
@@ -95,9 +95,6 @@ struct Part<'a> {
     buffer: &'a wgpu::Buffer,
     words: [u64; 2],
 }
-
-/// Parts of one buffer begin at multiples of this many words.
-const ALIGN: u64 = 64;
 
 const TOO_LARGE: GpuError = GpuError::OutOfMemory {
     what: "a level of this size in one buffer",
@@ -270,6 +267,10 @@ impl Refiner {
     /// # Errors
     /// [`GpuError`] of the device.
     pub fn timed(&self, gpu: &Gpu) -> Result<Duration, GpuError> {
+        gpu.caught(|| self.timed_on(gpu))
+    }
+
+    fn timed_on(&self, gpu: &Gpu) -> Result<Duration, GpuError> {
         let times = Timer::of_stages(gpu, 1)?;
         let mut encoder = gpu
             .device()
@@ -378,14 +379,14 @@ impl Level {
 
 /// Where twins and edges begin among the words of half-edges.
 fn half_parts(c: Counts) -> [u64; 2] {
-    let stride = c.halves().next_multiple_of(ALIGN);
+    let stride = c.halves().next_multiple_of(u64::from(ALIGN));
     [stride, 2 * stride]
 }
 
 /// Where first half-edges and sharpness begin in the rest.
 fn rest_parts(c: Counts) -> [u64; 2] {
-    let firsts = u64::from(c.edges).next_multiple_of(ALIGN);
-    let sharpness = firsts + u64::from(c.vertices).next_multiple_of(ALIGN);
+    let firsts = u64::from(c.edges).next_multiple_of(u64::from(ALIGN));
+    let sharpness = firsts + u64::from(c.vertices).next_multiple_of(u64::from(ALIGN));
     [firsts, sharpness]
 }
 
@@ -399,8 +400,8 @@ fn empty_level(gpu: &Gpu, counts: Counts) -> Result<Level, GpuError> {
         4 * rest,
         12 * u64::from(counts.vertices),
     ];
-    // Numbers of half-edges, three times over, are words of the shaders.
-    let words = 3 * counts.halves();
+    // Their numbers are words of the shaders.
+    let words = edges + counts.halves();
     if words > u64::from(u32::MAX) || sizes.iter().any(|&bytes| bytes > gpu.max_binding) {
         return Err(TOO_LARGE);
     }

@@ -1,12 +1,7 @@
 //! Compute pipelines of all stages, made once per device.
 
 use super::device::Gpu;
-use super::wgsl::{self, Keys, Source};
-
-/// Workgroups along x of a dispatch; more go into further rows.
-pub(super) const ACROSS: u32 = 32768;
-/// Invocations of a workgroup.
-pub(super) const GROUP: u32 = 64;
+use super::wgsl::{self, ACROSS, Keys, Source};
 
 /// A stage's pipeline.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 //! where it follows the picture.
 
 use super::error::GpuError;
+use super::wgsl::BLOCK_BITS;
 use crate::camera::View;
 use crate::dice::FacePatch;
 use crate::frame::{Drawing, Object, Renderer, Scene};
@@ -169,7 +170,7 @@ fn uniform_extent(scene: &Scene, object: &Object, level: u32) -> Result<Extent, 
         blocks: drawn * blocks,
         moves: 0,
         triangles: drawn * triangles,
-        log: quad_level.min(5),
+        log: quad_level.min(BLOCK_BITS),
     })
 }
 
@@ -181,7 +182,7 @@ fn uniform(scene: &Scene, object: &Object, level: u32) -> ObjectPlan {
         ..ObjectPlan::default()
     };
     let blocks = FacePatch::blocks_per_side(quad_level);
-    let log = quad_level.min(5);
+    let log = quad_level.min(BLOCK_BITS);
     for quad in drawn_quads(scene, object) {
         plan.reach[quad as usize] = quad_level;
         for bv in 0..blocks {

@@ -59,7 +59,7 @@ pub(super) fn point_words(points: &[[f32; 3]]) -> Vec<u32> {
     points.iter().flatten().map(|c| c.to_bits()).collect()
 }
 
-pub(super) fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
+fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
     let mut words = Vec::new();
     record.put(&mut words);
     let usage = Usage::UNIFORM | Usage::COPY_DST;
