@@ -183,7 +183,7 @@ impl<'a> Dicer<'a> {
         let mut uv_faces: Vec<[u32; 2]> = Vec::new();
         let mut bytes = 0;
         for (face, &need) in (0..).zip(needs) {
-            if face as usize % FACES == 0 {
+            if (face as usize).is_multiple_of(FACES) {
                 let taken = std::mem::take(&mut bytes) as u128;
                 budget.take("the faces of the GPU backend", taken, 0)?;
             }
