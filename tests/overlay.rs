@@ -356,12 +356,15 @@ fn lines_of_deep_levels_are_those_of_pixels() {
 #[test]
 fn limits_stop_lines_before_memory_is_taken() {
     let scene = asset("creature");
-    let mut small = Renderer::new(512, 512);
-    small.refinement = Refinement::Uniform(3);
-    small.limits.max_memory = Some(34 << 20);
+    let mut small = Renderer::new(1024, 1024);
+    small.refinement = Refinement::Uniform(6);
+    // More than the picture takes on one thread, less than its lines.
+    small.limits.max_memory = Some(32 << 20);
     let view = small.view(&scene, &Camera::default()).unwrap();
     let options = Options::overlay(Layers::WIREFRAME);
-    let error = overlay::trace(&small, &scene, &view, &options).unwrap_err();
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1);
+    let trace = || overlay::trace(&small, &scene, &view, &options).map(|_| ());
+    let error = one.build().unwrap().install(trace).unwrap_err();
     assert!(error.to_string().contains("the lines of"), "{error}");
     // Those of the cage before any of them is there.
     small.limits.max_memory = Some(10_000);

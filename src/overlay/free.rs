@@ -48,7 +48,7 @@ impl FreeLines {
             true => edges.map(|t| t.edge_count()).sum(),
             false => 0,
         };
-        let most = edges + 3;
+        let most = edges + if layers.contains(Layers::AXES) { 3 } else { 0 };
         limits.memory(WHAT, most as u128 * size_of::<FreeLine>() as u128)?;
         let mut lines = Vec::with_capacity(most);
         let picture = [size.width, size.height].map(f64::from);
@@ -59,8 +59,7 @@ impl FreeLines {
             let [a, b] = ends;
             if a != b && ends.as_flattened().iter().all(|c| c.is_finite()) {
                 let segment = Segment::new(a, b, flags);
-                let [low, high] = hull(&segment);
-                if (0..2).all(|k| high[k] >= 0.0 && low[k] <= picture[k]) {
+                if meets(&segment, picture) {
                     let lift = CAGE_LIFT;
                     lines.push(FreeLine { segment, lift });
                 }
@@ -149,6 +148,12 @@ impl FreeLines {
     }
 }
 
+/// Whether the box of a line meets the picture.
+fn meets(line: &Segment, picture: [f64; 2]) -> bool {
+    let [low, high] = hull(line);
+    (0..2).all(|k| high[k] >= 0.0 && low[k] <= picture[k])
+}
+
 /// The box of a line on the screen.
 fn hull(line: &Segment) -> [[f64; 2]; 2] {
     let both = |by: fn(f64, f64) -> f64| [0, 1].map(|k| by(line.a[k], line.b[k]));
@@ -182,7 +187,9 @@ mod tests {
                 b[k % 2] = a[k % 2];
             }
             let segment = Segment::new(a, [b[0], b[1], 1.0], is::CAGE);
-            out.push(FreeLine { segment, lift: 0.0 });
+            if meets(&segment, PICTURE.map(f64::from)) {
+                out.push(FreeLine { segment, lift: 0.0 });
+            }
         }
         out
     }
@@ -213,7 +220,7 @@ mod tests {
             }
             assert!(wanted > 1000);
             let most = if side == 256 {
-                wanted * 5 / 4
+                wanted * 3 / 2
             } else {
                 wanted * 8
             };

@@ -38,6 +38,15 @@ fn workplace() -> Folder {
         fs::copy(asset(name), folder.path("assets").join(name)).unwrap();
     }
     fs::copy(asset("creature.obj"), folder.path("model.obj")).unwrap();
+    // Goldens, and pictures like them.
+    for pictures in ["golden", "new"] {
+        fs::create_dir(folder.path(pictures)).unwrap();
+        fs::copy(
+            asset("creature_skin.png"),
+            folder.path(pictures).join("skin.png"),
+        )
+        .unwrap();
+    }
     folder
 }
 

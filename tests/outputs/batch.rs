@@ -67,7 +67,7 @@ fn a_failed_job_ends_nothing_but_itself() {
         String::new(),
         line(&folder, "cube.obj", "c.png", &["--level", "99"]),
         line(&folder, "cube.obj", "d.png", &["--timeout", "0.000001"]),
-        r#"["view"]"#.to_owned(),
+        r#"["paint"]"#.to_owned(),
         line(&folder, "cube.obj", "e.png", &[]),
     ];
     let out = batch(&folder, &lines, &[]);
