@@ -91,6 +91,12 @@ impl<'a> Budget<'a> {
         Self { limits, taken: 0 }
     }
 
+    /// What it is counted against.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn limits(&self) -> &'a Limits {
+        self.limits
+    }
+
     /// Takes `kept` bytes for good, if with `passing` more, which are given back soon, all that was taken is within the limit.
     ///
     /// # Errors

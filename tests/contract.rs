@@ -75,12 +75,12 @@ fn words_stand_where_fields_do() {
     let block = Block {
         face: 1,
         log: 5,
-        first_quad: 9,
+        level: 9,
         ..Block::default()
     };
     let out = words(&[block, Block::default()]);
     assert_eq!(out.len() * 4, 2 * Block::SIZE);
-    for (name, value) in [("face", 1), ("log", 5), ("first_quad", 9)] {
+    for (name, value) in [("face", 1), ("log", 5), ("level", 9)] {
         let layout = Block::layout();
         let field = layout.iter().find(|f| f.0 == name).unwrap();
         assert_eq!(out[field.1 / 4], value, "{name}");

@@ -6,6 +6,8 @@
 #![allow(clippy::print_stdout)]
 
 mod common;
+#[path = "golden/displaced.rs"]
+mod displaced;
 #[path = "gpu/levels.rs"]
 mod levels;
 #[path = "gpu/pictures.rs"]
@@ -14,10 +16,15 @@ mod pictures;
 mod points;
 #[path = "gpu/program.rs"]
 mod program;
+#[path = "gpu/refusals.rs"]
+mod refusals;
+#[path = "golden/table.rs"]
+mod table;
 
 use earmark::frame::Refinement;
 use earmark::gpu::{DeviceOptions, Gpu};
 use earmark::load::{LoadOptions, Loader};
+use earmark::mesh::resolver::NoFiles;
 use earmark::{Renderer, Scene, SurfaceOptions};
 
 /// A device, or nothing where the suite is not run.
@@ -63,6 +70,23 @@ fn uniform(width: u32, height: u32, level: u32) -> Renderer {
     let mut renderer = Renderer::new(width, height);
     renderer.refinement = Refinement::Uniform(level);
     renderer
+}
+
+/// A cube, red below and blue above.
+fn colored(surface: SurfaceOptions) -> Scene {
+    let text = "v -1 -1 -1 1 0 0\nv 1 -1 -1 1 0 0\nv 1 1 -1 0 0 1\nv -1 1 -1 0 0 1\nv -1 -1 1 1 0 0\nv 1 -1 1 1 0 0\nv 1 1 1 0 0 1\nv -1 1 1 0 0 1\n\
+                f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
+    let mut loader = Loader::new(LoadOptions {
+        surface,
+        ..LoadOptions::default()
+    });
+    let nothing = &mut NoFiles;
+    let cage = loader
+        .read(text.as_bytes(), "cube.obj", nothing)
+        .unwrap()
+        .cage;
+    loader.add_cage(cage, "cube.obj", nothing).unwrap();
+    loader.finish().0
 }
 
 /// A torus of `m` by `n` quads: all of them regular.

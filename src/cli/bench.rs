@@ -117,6 +117,14 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         None => None,
     };
     check_picture(&a.picture, &job.limits(), 8)?;
+    if a.picture.backend == Backend::Gpu || a.suite == Suite::Gpu {
+        if !matches!(a.suite, Suite::Frame | Suite::Cold | Suite::Gpu) {
+            return Err(Failure::usage(
+                "--backend gpu belongs to bench frame, cold and gpu; the other suites measure the processor",
+            ));
+        }
+        super::gpu::check()?;
+    }
     let modelless = match a.suite {
         Suite::Paper => Some("paper"),
         Suite::Calibrate => Some("calibrate"),

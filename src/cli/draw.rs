@@ -76,23 +76,29 @@ fn lined_view(
     if alone {
         frame.image = Image::filled(picture.size, renderer.background);
     }
-    let clock = Clock::now();
-    let lines = match picture.line_work() {
-        Some(options) => {
-            let art = overlay::trace(renderer, scene, &view, &options)?;
-            art.draw(&mut frame.image);
-            if alone {
-                frame.stats = art.stats.clone();
-            }
-            Some(art)
-        }
-        None => None,
-    };
+    let (lines, overlay) = line_work(renderer, scene, &view, picture, &mut frame.image)?;
+    if let (true, Some(art)) = (alone, &lines) {
+        frame.stats = art.stats.clone();
+    }
     Ok(Lined {
         frame,
         lines,
-        overlay: clock.elapsed(),
+        overlay,
     })
+}
+
+/// Draws the line work of a view over its picture, and what that took.
+fn line_work(
+    renderer: &Renderer,
+    scene: &Scene,
+    view: &View,
+    picture: &PictureFlags,
+    image: &mut Image,
+) -> Result<(Option<overlay::LineArt>, Time), RenderError> {
+    let clock = Clock::now();
+    let options = picture.line_work();
+    let lines = options.map(|options| overlay::draw(image, renderer, scene, view, &options));
+    Ok((lines.transpose()?, clock.elapsed()))
 }
 
 /// Draws a scene that was made of the same arguments; `sphere` is what the camera frames, where that is known.
@@ -137,6 +143,12 @@ pub(crate) fn draw(
     for (name, time) in frame_stages(&lined.frame.stats, cpu).0 {
         job.stages.add(name, time);
     }
+    report(job, renderer, &lined);
+    Ok(lined)
+}
+
+/// Says what is to be said of a frame with its lines.
+fn report(job: &mut Job, renderer: &Renderer, lined: &Lined) {
     if let Some(art) = &lined.lines {
         job.stages.add("overlay", lined.overlay);
         if let Refinement::Uniform(level) = renderer.refinement
@@ -148,13 +160,8 @@ pub(crate) fn draw(
         }
     }
     if lined.frame.view.up_replaced {
-        warn_up();
+        warning("--up is parallel to the direction of view; another direction points up");
     }
-    Ok(lined)
-}
-
-fn warn_up() {
-    warning("--up is parallel to the direction of view; another direction points up");
 }
 
 pub(crate) fn warn_empty() {
@@ -173,28 +180,15 @@ pub(crate) fn draw_on_gpu(
 ) -> Result<(Lined, gpu::Said), Failure> {
     watch::phase(Phase::Rendering);
     let (mut frame, more) = gpu::draw(job, picture, renderer, scene, camera)?;
-    if frame.view.up_replaced {
-        warn_up();
-    }
-    let clock = Clock::now();
-    let lines = match picture.line_work() {
-        Some(options) => {
-            let view = frame.view;
-            let art = overlay::draw(&mut frame.image, renderer, scene, &view, &options)?;
-            job.stages.add("overlay", clock.elapsed());
-            Some(art)
-        }
-        None => None,
+    let view = frame.view;
+    let (lines, overlay) = line_work(renderer, scene, &view, picture, &mut frame.image)?;
+    let lined = Lined {
+        frame,
+        lines,
+        overlay,
     };
-    let overlay = clock.elapsed();
-    Ok((
-        Lined {
-            frame,
-            lines,
-            overlay,
-        },
-        more,
-    ))
+    report(job, renderer, &lined);
+    Ok((lined, more))
 }
 
 /// Whether the processor draws, which alone can do what `verb` names.

@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "MODEL", required_unless_present = "gpu")]
     pub(crate) model_path: Option<PathBuf>,
     /// List the GPU adapters of this machine, in place of a model
-    #[arg(long, conflicts_with = "model_path")]
+    #[arg(long, conflicts_with_all = ["model_path", "stats"])]
     pub(crate) gpu: bool,
     /// Print one JSON object
     #[arg(long)]

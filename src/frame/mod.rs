@@ -269,7 +269,7 @@ impl<'a> Frame<'a> {
     fn is_clear(&self, material: u32) -> bool {
         self.materials
             .get(material as usize)
-            .is_some_and(|m| m.opacity < 0.5)
+            .is_some_and(SurfaceMaterial::is_clear)
     }
 
     #[inline]
@@ -479,17 +479,18 @@ impl Renderer {
         Ok(draw(&frame, stats)?)
     }
 
-    /// Levels of the objects, and the blocks of those that are tessellated: what other backends draw by, too.
+    /// Levels of the objects, and the blocks of those that are tessellated: what other backends draw by, too. Blocks are taken from `budget`.
     #[cfg(feature = "gpu")]
     pub(crate) fn decide(
         &self,
         scene: &Scene,
         view: &View,
+        budget: &mut Budget<'_>,
     ) -> Result<(Vec<u32>, Vec<Option<Tessellation>>), RenderError> {
         self.check_size()?;
         let mut levels = self.levels(scene, view)?;
-        let mut budget = Budget::new(&self.limits);
-        let found = self.tessellations(scene, view, &mut levels, &mut budget)?;
+        let decided_by = self.decided_by.as_ref().unwrap_or(view);
+        let found = self.tessellations(scene, decided_by, &mut levels, budget)?;
         Ok((levels, found))
     }
 
@@ -561,10 +562,7 @@ impl Renderer {
                 continue;
             }
             let is_drawn = |quad: u32, hull: &mut Vec<[f32; 3]>| {
-                let face = surface.cage_face(quad);
-                let clear = scene.materials.get(object.material(face) as usize);
-                !surface.topology().is_hole(face)
-                    && clear.is_none_or(|m| m.opacity >= 0.5)
+                scene.is_drawn(object, surface.cage_face(quad))
                     && bounds(hull, &view.projection, self.size).is_some()
             };
             let split = u32::from(surface.is_split());

@@ -108,6 +108,12 @@ impl Scene {
         all.any(|m| m.relief.is_some())
     }
 
+    /// Whether a face of an object's cage is drawn at all: holes are not, nor is what is more than half transparent.
+    pub(crate) fn is_drawn(&self, object: &Object, face: u32) -> bool {
+        let material = self.materials.get(object.material(face) as usize);
+        !object.surface.topology().is_hole(face) && !material.is_some_and(SurfaceMaterial::is_clear)
+    }
+
     /// Faces of all cages.
     #[must_use]
     pub fn face_count(&self) -> usize {

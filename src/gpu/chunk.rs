@@ -1,12 +1,12 @@
 //! Chunks of blocks: as many as fit one binding of the device, each with all that dicing them takes, so that no chunk reads from another.
 //! A side between two chunks is in both, by the same sums of the same numbers in the same pipeline.
 
-use super::dicer::{Dicer, Owners};
+use super::dicer::{Dicer, FaceTable, Owners};
 use super::error::GpuError;
-use super::plan::ObjectPlan;
+use super::plan::{ObjectPlan, PlannedBlock};
 use super::records::{Block, Chunk, Face, Move, POINT_FLOATS, Record, Spot, Stencil, words};
-use crate::frame::Scene;
-use crate::limits::Limits;
+use super::wgsl::BLOCK_BITS;
+use crate::limits::Budget;
 use std::collections::HashMap;
 
 /// Where a block is: in an object's quad, and among the points of its chunk behind the spots.
@@ -44,27 +44,31 @@ impl ChunkData {
         self.spots.len() as u32 + self.block_points
     }
 
-    /// Bytes that it takes here.
-    fn bytes(&self) -> u128 {
-        let words = self.weights.len() + self.gathers.len();
+    /// Bytes of what is listed here beside weights and gathers.
+    fn record_bytes(&self) -> u128 {
         let records = self.spots.len() * Spot::SIZE
             + self.faces.len() * Face::SIZE
             + self.blocks.len() * (Block::SIZE + size_of::<NamedBlock>())
             + self.moves.len() * Move::SIZE
             + self.stencils.len() * Stencil::SIZE;
-        (4 * words + records) as u128
+        records as u128
     }
 
-    pub(super) fn record(&self, phase: u32, groups: u32) -> Chunk {
+    /// Bytes of all.
+    pub(super) fn bytes(&self) -> u128 {
+        4 * (self.weights.len() + self.gathers.len()) as u128 + self.record_bytes()
+    }
+
+    pub(super) fn record(&self, phase: u32) -> Chunk {
         Chunk {
             first_rank: self.first_rank,
             blocks: self.blocks.len() as u32,
             spots: self.spots.len() as u32,
             phase,
-            groups,
             triangles: u32::from(self.triangles),
             large: self.quads,
             patches: u32::from(self.patches),
+            padding: 0,
         }
     }
 
@@ -84,8 +88,6 @@ struct Builder {
     /// Bytes of the largest buffer.
     limit: u64,
     data: ChunkData,
-    /// Of all chunks that are done.
-    bytes: u128,
     stencils: HashMap<u32, u32>,
     tables: HashMap<u32, u32>,
     uv_tables: HashMap<u32, u32>,
@@ -95,20 +97,18 @@ struct Builder {
 }
 
 /// Blocks of a chunk that an entry of the list of large quads can name.
-const MOST_BLOCKS: usize = 1 << 22;
+const MOST_BLOCKS: usize = 1 << (u32::BITS - 2 * BLOCK_BITS);
 
 /// Chunks of all objects. `limit` is the size of the largest binding in bytes.
 pub(super) fn chunks(
-    scene: &Scene,
     dicers: &[Dicer<'_>],
     plans: &[ObjectPlan],
     limit: u64,
-    limits: &Limits,
+    budget: &mut Budget<'_>,
 ) -> Result<Vec<ChunkData>, GpuError> {
     let mut builder = Builder {
         limit,
         data: ChunkData::default(),
-        bytes: 0,
         stencils: HashMap::new(),
         tables: HashMap::new(),
         uv_tables: HashMap::new(),
@@ -116,21 +116,18 @@ pub(super) fn chunks(
         sides: HashMap::new(),
         done: Vec::new(),
     };
-    for ((dicer, plan), _) in dicers.iter().zip(plans).zip(&scene.objects) {
-        builder.close(limits)?;
+    for (dicer, plan) in dicers.iter().zip(plans) {
+        builder.close();
         for blocks in plan.blocks.chunk_by(|a, b| a.quad == b.quad) {
-            builder.add(dicer, plan, blocks, limits)?;
+            builder.add(dicer, plan, blocks, budget)?;
         }
     }
-    builder.close(limits)?;
+    builder.close();
     Ok(builder.done)
 }
 
 impl Builder {
-    fn close(&mut self, limits: &Limits) -> Result<(), GpuError> {
-        limits.check()?;
-        self.bytes += self.data.bytes();
-        limits.memory("the chunks of the GPU backend", self.bytes)?;
+    fn close(&mut self) {
         let next = self.data.first_rank + self.data.blocks.len() as u32;
         if !self.data.blocks.is_empty() {
             self.done.push(std::mem::take(&mut self.data));
@@ -141,7 +138,6 @@ impl Builder {
         self.uv_tables.clear();
         self.corners.clear();
         self.sides.clear();
-        Ok(())
     }
 
     /// Faces that a quad's points come from.
@@ -158,62 +154,77 @@ impl Builder {
         all
     }
 
-    /// Bytes of points and weights with one more face.
-    fn bytes_with(&self, dicer: &Dicer<'_>, blocks: &[super::plan::PlannedBlock]) -> [u64; 3] {
+    /// Bytes of points, weights and gathers with one more face; the last two alone are kept here.
+    fn bytes_with(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> Result<[u64; 3], GpuError> {
         let whole = dicer.surface.whole_quads();
         let points: u64 = blocks.iter().map(|b| ((1_u64 << b.log) + 1).pow(2)).sum();
-        let sides = whole.face_halves(blocks[0].quad).map(|h| {
-            let level = dicer.edge_levels[whole.edge(h) as usize];
-            1_u64 << level.min(31)
-        });
-        let points = u64::from(self.data.points()) + points + sides.sum::<u64>();
+        let mut points = u64::from(self.data.points()) + points;
+        for h in whole.face_halves(blocks[0].quad) {
+            points += 1_u64 << dicer.side_level(h)?;
+        }
         let mut weights = 4 * self.data.weights.len() as u64;
         let mut gathers = 4 * self.data.gathers.len() as u64;
         let mut seen = Vec::new();
         for quad in Self::quads_of(dicer, blocks[0].quad) {
-            if let Some((_, number, table)) = dicer.table(quad) {
-                gathers += 4 * table.columns.len() as u64;
-                if !self.tables.contains_key(&number) && !seen.contains(&number) {
-                    weights += table.bytes();
-                    seen.push(number);
-                }
+            if self.stencils.contains_key(&quad) {
+                continue;
+            }
+            let FaceTable { number, table, .. } = dicer.table(quad)?;
+            gathers += 4 * table.columns.len() as u64;
+            if !self.tables.contains_key(&number) && !seen.contains(&number) {
+                weights += table.bytes();
+                seen.push(number);
             }
         }
-        let face = dicer.surface.cage_face(blocks[0].quad);
-        if let Some(&number) = dicer.uv_shapes.get(&face) {
-            let table = &dicer.uv_tables[number as usize];
+        if let Some(FaceTable { number, table, .. }) = dicer.uv_table(blocks[0].quad) {
             gathers += 4 * u64::from(table.count);
             if !self.uv_tables.contains_key(&number) {
                 // Tables of points begin at multiples of three.
                 weights += table.bytes() + 12;
             }
         }
-        [points * 4 * u64::from(POINT_FLOATS), weights, gathers]
+        Ok([points * 4 * u64::from(POINT_FLOATS), weights, gathers])
     }
 
     fn add(
         &mut self,
         dicer: &Dicer<'_>,
         plan: &ObjectPlan,
-        blocks: &[super::plan::PlannedBlock],
-        limits: &Limits,
+        blocks: &[PlannedBlock],
+        budget: &mut Budget<'_>,
     ) -> Result<(), GpuError> {
-        let too_large = |bytes: &[u64; 3]| bytes.iter().any(|&b| b > self.limit);
-        if too_large(&self.bytes_with(dicer, blocks))
-            || self.data.blocks.len() + blocks.len() > MOST_BLOCKS
-        {
-            self.close(limits)?;
-            let bytes = self.bytes_with(dicer, blocks);
-            if bytes.iter().any(|&b| b > self.limit) {
+        /// What memory is taken for.
+        const WHAT: &str = "the chunks of the GPU backend";
+        let limit = self.limit;
+        let too_large = |bytes: &[u64; 3]| bytes.iter().any(|&b| b > limit);
+        let mut bytes = self.bytes_with(dicer, blocks)?;
+        if too_large(&bytes) || self.data.blocks.len() + blocks.len() > MOST_BLOCKS {
+            self.close();
+            bytes = self.bytes_with(dicer, blocks)?;
+            if too_large(&bytes) {
                 return Err(GpuError::OutOfMemory {
                     what: "the points and weights of a face: lower the level",
                 });
             }
         }
+        let [_, weights, gathers] = bytes;
+        let had = 4 * (self.data.weights.len() + self.data.gathers.len()) as u64;
+        budget.take(WHAT, (weights + gathers - had).into(), 0)?;
+        let had = self.data.record_bytes();
+        self.add_face(dicer, plan, blocks)?;
+        Ok(budget.take(WHAT, self.data.record_bytes() - had, 0)?)
+    }
+
+    fn add_face(
+        &mut self,
+        dicer: &Dicer<'_>,
+        plan: &ObjectPlan,
+        blocks: &[PlannedBlock],
+    ) -> Result<(), GpuError> {
         self.data.triangles = dicer.surface.is_triangular();
         self.data.patches = dicer.patches;
         let quad = blocks[0].quad;
-        let face = self.face(dicer, quad, plan.reach[quad as usize]);
+        let face = self.face(dicer, quad, plan.reach[quad as usize])?;
         let number = self.data.faces.len() as u32;
         self.data.faces.push(face);
         for b in blocks {
@@ -243,8 +254,7 @@ impl Builder {
                 moves: first,
                 move_count: b.moves[1] - b.moves[0],
                 level: b.shown,
-                first_quad: self.data.quads,
-                padding: [0; 2],
+                padding: [0; 3],
             });
             self.data.block_points += ((1 << b.log) + 1) * ((1 << b.log) + 1);
             self.data.quads += 1 << (2 * b.log);
@@ -252,35 +262,39 @@ impl Builder {
         Ok(())
     }
 
-    fn face(&mut self, dicer: &Dicer<'_>, quad: u32, reach: u32) -> Face {
+    fn face(&mut self, dicer: &Dicer<'_>, quad: u32, reach: u32) -> Result<Face, GpuError> {
         let whole = dicer.surface.whole_quads();
         let (mut corners, mut sides, mut turns) = ([0; 4], [0; 4], 0);
         for (c, h) in whole.face_halves(quad).enumerate() {
-            corners[c] = self.corner(dicer, h);
+            corners[c] = self.corner(dicer, h)?;
             let owners = dicer.side_owners(h);
-            let level = dicer.edge_levels[whole.edge(h) as usize];
-            sides[c] = self.side(dicer, owners, level);
+            let level = dicer.side_level(h)?;
+            sides[c] = self.side(dicer, owners, level)?;
             let turned = |owner: u32| owner != h && whole.vertex(owner) != whole.vertex(h);
-            let finer = if dicer.patches { 0 } else { level - reach };
+            let finer = match dicer.patches {
+                true => 0,
+                false => finer(level, reach)?,
+            };
             let ways =
                 u32::from(turned(owners.normal)) << 7 | u32::from(turned(owners.position)) << 6;
             turns |= (finer | ways) << (8 * c);
         }
         let cage_face = dicer.surface.cage_face(quad);
         let level = match dicer.patches {
-            true => dicer.drawn_levels.get(&cage_face).copied(),
-            false => dicer.table(quad).map(|(_, _, t)| t.level),
+            true => (dicer.drawn_levels.get(&cage_face).copied()).ok_or(GpuError::Missing {
+                what: "level of a face",
+            })?,
+            false => dicer.table(quad)?.table.level,
         };
-        let level = level.unwrap_or(reach);
-        let middle = self.middle(dicer, quad);
+        let middle = self.middle(dicer, quad)?;
         let (uv_gather, uv_count, uv_table) = self.uv_stencil(dicer, quad);
-        Face {
+        Ok(Face {
             corners,
             sides,
             turns,
-            stencil: self.stencil(dicer, quad),
+            stencil: self.stencil(dicer, quad)?,
             row: (1 << level) + 1,
-            shift: level - reach,
+            shift: finer(level, reach)?,
             reach,
             number: dicer.first_face + cage_face,
             // The last material is that of faces without one.
@@ -290,34 +304,30 @@ impl Builder {
             uv_table,
             colors: dicer.colors,
             middle,
-        }
+        })
     }
 
     /// The spot in the middle of a quad, where patches need it.
-    fn middle(&mut self, dicer: &Dicer<'_>, quad: u32) -> u32 {
+    fn middle(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
         if !dicer.patches || dicer.surface.is_triangular() {
-            return 0;
+            return Ok(0);
         }
-        let [stencil, index] = self.place(dicer, quad, [1, 1], 1);
+        let [stencil, index] = self.place(dicer, quad, [1, 1], 1)?;
         self.data.spots.push(Spot {
             stencil,
             index,
             normal_stencil: stencil,
             normal_index: index,
         });
-        self.data.spots.len() as u32 - 1
+        Ok(self.data.spots.len() as u32 - 1)
     }
 
     /// First gather, count and first weight of a quad's texture coordinates; zeros without.
     fn uv_stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> (u32, u32, u32) {
-        let face = dicer.surface.cage_face(quad);
-        let Some(&number) = dicer.uv_shapes.get(&face) else {
+        let Some(of) = dicer.uv_table(quad) else {
             return (0, 0, 0);
         };
-        let Some((shape, _)) = dicer.faces.get(&face) else {
-            return (0, 0, 0);
-        };
-        let table = &dicer.uv_tables[number as usize];
+        let (number, table) = (of.number, of.table);
         let weights = &mut self.data.weights;
         let base = *self.uv_tables.entry(number).or_insert_with(|| {
             let base = weights.len() as u32;
@@ -326,56 +336,64 @@ impl Builder {
             base
         });
         let gather = self.data.gathers.len() as u32;
-        let own = shape.uvs.iter().map(|&k| dicer.first_uv + 2 * k);
+        let own = of.places.uvs.iter().map(|&k| dicer.first_uv + 2 * k);
         self.data.gathers.extend(own);
         (gather, table.count, base + table.offset(dicer.sub(quad)))
     }
 
-    fn stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> u32 {
+    fn stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
         if let Some(&found) = self.stencils.get(&quad) {
-            return found;
+            return Ok(found);
         }
-        let mut stencil = Stencil::default();
-        if let Some((shape, number, table)) = dicer.table(quad) {
-            let weights = &mut self.data.weights;
-            let base = *self.tables.entry(number).or_insert_with(|| {
-                let base = weights.len() as u32 / 3;
-                weights.extend_from_slice(&table.weights);
-                base
-            });
-            stencil = Stencil {
-                gather: self.data.gathers.len() as u32,
-                count: table.columns.len() as u32,
-                table: base + table.offset(dicer.sub(quad)),
-                stride: table.stride(),
-            };
-            let own = table.columns.iter().map(|&k| shape.vertices[k as usize]);
-            self.data.gathers.extend(own.map(|v| v + dicer.first_point));
-        }
+        let of = dicer.table(quad)?;
+        let table = of.table;
+        let weights = &mut self.data.weights;
+        let base = *self.tables.entry(of.number).or_insert_with(|| {
+            let base = weights.len() as u32 / 3;
+            weights.extend_from_slice(&table.weights);
+            base
+        });
         let next = self.data.stencils.len() as u32;
-        self.data.stencils.push(stencil);
+        self.data.stencils.push(Stencil {
+            gather: self.data.gathers.len() as u32,
+            count: table.columns.len() as u32,
+            table: base + table.offset(dicer.sub(quad)),
+            stride: table.stride(),
+        });
+        let own = table
+            .columns
+            .iter()
+            .map(|&k| of.places.vertices[k as usize]);
+        self.data.gathers.extend(own.map(|v| v + dicer.first_point));
         self.stencils.insert(quad, next);
-        next
+        Ok(next)
     }
 
     /// Stencil and point of a place of a quad, given on the grid of `level`.
-    fn place(&mut self, dicer: &Dicer<'_>, quad: u32, [x, y]: [u32; 2], level: u32) -> [u32; 2] {
-        let deep = dicer.table(quad).map_or(level, |(_, _, t)| t.level);
-        let up = deep - level;
+    fn place(
+        &mut self,
+        dicer: &Dicer<'_>,
+        quad: u32,
+        [x, y]: [u32; 2],
+        level: u32,
+    ) -> Result<[u32; 2], GpuError> {
+        let deep = dicer.table(quad)?.table.level;
+        let up = finer(deep, level)?;
         let index = (y << up) * ((1 << deep) + 1) + (x << up);
-        [self.stencil(dicer, quad), index]
+        Ok([self.stencil(dicer, quad)?, index])
     }
 
-    fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> u32 {
+    fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> Result<u32, GpuError> {
         let owners = dicer.corner_owners(h);
         if let Some(&found) = self.corners.get(&owners.normal) {
-            return found;
+            return Ok(found);
         }
         let count = dicer.corner_count();
-        let [p, n] = [owners.position, owners.normal].map(|h| {
+        let mut of = |h: u32| {
             let at = dicer.along(h % count, 0, 1);
             self.place(dicer, h / count, at, 0)
-        });
+        };
+        let (p, n) = (of(owners.position)?, of(owners.normal)?);
         let at = self.data.spots.len() as u32;
         self.data.spots.push(Spot {
             stencil: p[0],
@@ -384,12 +402,12 @@ impl Builder {
             normal_index: n[1],
         });
         self.corners.insert(owners.normal, at);
-        at
+        Ok(at)
     }
 
-    fn side(&mut self, dicer: &Dicer<'_>, owners: Owners, level: u32) -> u32 {
+    fn side(&mut self, dicer: &Dicer<'_>, owners: Owners, level: u32) -> Result<u32, GpuError> {
         if let Some(&found) = self.sides.get(&owners.normal) {
-            return found;
+            return Ok(found);
         }
         let (count, n) = (dicer.corner_count(), 1_u32 << level);
         let whole = dicer.surface.whole_quads();
@@ -399,9 +417,9 @@ impl Builder {
         for k in 1..n {
             let turned = if same { k } else { n - k };
             let at = dicer.along(owners.position % count, turned, n);
-            let p = self.place(dicer, owners.position / count, at, level);
+            let p = self.place(dicer, owners.position / count, at, level)?;
             let at = dicer.along(owners.normal % count, k, n);
-            let own = self.place(dicer, owners.normal / count, at, level);
+            let own = self.place(dicer, owners.normal / count, at, level)?;
             self.data.spots.push(Spot {
                 stencil: p[0],
                 index: p[1],
@@ -410,6 +428,13 @@ impl Builder {
             });
         }
         self.sides.insert(owners.normal, first);
-        first
+        Ok(first)
     }
+}
+
+/// By how many levels `deep` is finer than `level`.
+fn finer(deep: u32, level: u32) -> Result<u32, GpuError> {
+    deep.checked_sub(level).ok_or(GpuError::Missing {
+        what: "table as fine as its face",
+    })
 }

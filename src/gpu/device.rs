@@ -39,7 +39,7 @@ impl AdapterKind {
     }
 }
 
-/// What is known of an adapter before it is opened.
+/// What is known of an adapter, or of a device that was opened, which may use less than its adapter has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterSummary {
     /// Name of the device.
@@ -77,8 +77,12 @@ fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wanted)
 }
 
-fn summary(adapter: &wgpu::Adapter) -> AdapterSummary {
-    let (info, limits, features) = (adapter.get_info(), adapter.limits(), adapter.features());
+/// What is said of an adapter, or of a device that was opened with less than its adapter has.
+fn summary(
+    info: wgpu::AdapterInfo,
+    limits: &wgpu::Limits,
+    features: wgpu::Features,
+) -> AdapterSummary {
     AdapterSummary {
         name: info.name,
         kind: AdapterKind::of(info.device_type),
@@ -86,10 +90,16 @@ fn summary(adapter: &wgpu::Adapter) -> AdapterSummary {
         driver: format!("{} {}", info.driver, info.driver_info)
             .trim()
             .to_owned(),
-        max_binding: limits.max_storage_buffer_binding_size,
+        max_binding: limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size),
         wide_atomics: features.contains(WIDE),
         timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
     }
+}
+
+fn summary_of_adapter(adapter: &wgpu::Adapter) -> AdapterSummary {
+    summary(adapter.get_info(), &adapter.limits(), adapter.features())
 }
 
 /// What one-pass keys need.
@@ -100,7 +110,7 @@ const WIDE: wgpu::Features =
 #[must_use]
 pub fn adapters() -> Vec<AdapterSummary> {
     let all = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::PRIMARY));
-    all.iter().map(summary).collect()
+    all.iter().map(summary_of_adapter).collect()
 }
 
 /// A device that is open, with its queue.
@@ -111,6 +121,8 @@ pub struct Gpu {
     summary: AdapterSummary,
     /// Bytes of the largest binding that is used.
     pub(super) max_binding: u64,
+    /// Bytes of the largest buffer.
+    max_buffer: u64,
     pub(super) wide: bool,
     pub(super) timestamps: bool,
     /// Made when a picture first needs them.
@@ -163,23 +175,13 @@ impl Gpu {
     /// A device and queue of the caller's, which keep their own limits and features.
     #[must_use]
     pub fn of_device(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        let (info, limits, features) = (device.adapter_info(), device.limits(), device.features());
-        let max_binding = limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size);
-        let summary = AdapterSummary {
-            name: info.name,
-            kind: AdapterKind::of(info.device_type),
-            backend: info.backend.to_str().to_owned(),
-            driver: info.driver,
-            max_binding,
-            wide_atomics: features.contains(WIDE),
-            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
-        };
+        let limits = device.limits();
+        let summary = summary(device.adapter_info(), &limits, device.features());
         Self {
             device: device.clone(),
             queue: queue.clone(),
-            max_binding,
+            max_binding: summary.max_binding,
+            max_buffer: limits.max_buffer_size,
             wide: summary.wide_atomics,
             timestamps: summary.timestamps,
             summary,
@@ -189,7 +191,11 @@ impl Gpu {
     }
 
     fn of_adapter(adapter: &wgpu::Adapter, options: &DeviceOptions) -> Result<Self, GpuError> {
-        let summary = summary(adapter);
+        let mut summary = summary_of_adapter(adapter);
+        if options.max_binding != 0 {
+            summary.max_binding = summary.max_binding.min(options.max_binding);
+        }
+        summary.wide_atomics &= !options.two_pass;
         let optional = WIDE | wgpu::Features::TIMESTAMP_QUERY;
         let limits = adapter.limits();
         let wanted = wgpu::DeviceDescriptor {
@@ -202,15 +208,10 @@ impl Gpu {
             pollster::block_on(adapter.request_device(&wanted)).map_err(|e| GpuError::Device {
                 reason: e.to_string(),
             })?;
-        let most = limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size);
         let gpu = Self {
-            max_binding: match options.max_binding {
-                0 => most,
-                asked => asked.min(most),
-            },
-            wide: summary.wide_atomics && !options.two_pass,
+            max_binding: summary.max_binding,
+            max_buffer: limits.max_buffer_size,
+            wide: summary.wide_atomics,
             timestamps: summary.timestamps,
             device,
             queue,
@@ -257,11 +258,33 @@ impl Gpu {
 
     /// The pipelines of pictures.
     pub(super) fn pipelines(&self) -> Result<&Pipelines, GpuError> {
-        if self.pipelines.get().is_none() {
-            // When another thread was first, its pipelines are the same.
-            let _ = self.pipelines.set(Pipelines::new(self)?);
+        if let Some(made) = self.pipelines.get() {
+            return Ok(made);
         }
-        self.pipelines.get().ok_or(GpuError::NoAdapter)
+        let made = self.caught(|| Ok(Pipelines::new(self)))?;
+        // When another thread was first, its pipelines are the same.
+        Ok(self.pipelines.get_or_init(|| made))
+    }
+
+    /// Does `work` and returns what the device has against it: nobody listens to a caller's device, and what nobody hears ends the program.
+    pub(super) fn caught<T>(
+        &self,
+        work: impl FnOnce() -> Result<T, GpuError>,
+    ) -> Result<T, GpuError> {
+        let [memory, internal, validation] = [
+            wgpu::ErrorFilter::OutOfMemory,
+            wgpu::ErrorFilter::Internal,
+            wgpu::ErrorFilter::Validation,
+        ]
+        .map(|kind| self.device.push_error_scope(kind));
+        let done = work();
+        // Scopes end in the order opposite to that in which they began.
+        let found = [validation, internal, memory].map(|scope| pollster::block_on(scope.pop()));
+        let done = done?;
+        match found.iter().flatten().next() {
+            Some(error) => Err(of_error(error)),
+            None => self.check().map(|()| done),
+        }
     }
 
     /// The error that came since this was asked last.
@@ -287,24 +310,31 @@ impl Gpu {
         words: &[u32],
     ) -> Result<wgpu::Buffer, GpuError> {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-        // Bindings cannot be empty.
-        let buffer = self.empty(label, 4 * words.len().max(4) as u64, usage)?;
+        let buffer = self.empty(label, 4 * words.len() as u64, usage)?;
         self.queue
             .write_buffer(&buffer, 0, bytemuck::cast_slice(words));
         Ok(buffer)
     }
 
-    /// A buffer of zeros.
+    /// A buffer of zeros; never an empty one, which could not be bound.
     pub(super) fn empty(
         &self,
         label: &'static str,
         bytes: u64,
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, GpuError> {
+        let most = match usage.contains(wgpu::BufferUsages::STORAGE) {
+            true => self.max_binding.min(self.max_buffer),
+            false => self.max_buffer,
+        };
+        let size = bytes.max(16).checked_next_multiple_of(16);
+        let size = size
+            .filter(|&size| size <= most)
+            .ok_or(GpuError::OutOfMemory { what: label })?;
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            size: bytes.next_multiple_of(16),
+            size,
             usage,
             mapped_at_creation: false,
         });

@@ -2,10 +2,10 @@
 
 use super::error::GpuError;
 use super::plan::ObjectPlan;
-use super::surroundings::{Finder, Surroundings};
+use super::surroundings::{Finder, Places, Surroundings};
 use super::tables::{self, Table, UvTable};
 use crate::frame::Object;
-use crate::limits::Limits;
+use crate::limits::Budget;
 use crate::patch::PatchKind;
 use crate::scheme::Scheme;
 use crate::surface::Surface;
@@ -22,12 +22,12 @@ pub(super) struct Dicer<'a> {
     /// First of its control points among those of the scene.
     pub(super) first_point: u32,
     pub(super) first_face: u32,
-    /// Per cage face with a table: its surroundings, and the number of its shape.
-    pub(super) faces: HashMap<u32, (Surroundings, u32)>,
+    /// Per cage face with a table.
+    faces: HashMap<u32, Places>,
     pub(super) tables: Vec<Table>,
-    /// Per face of the cage the number of its shape with texture coordinates; empty without.
-    pub(super) uv_shapes: HashMap<u32, u32>,
-    pub(super) uv_tables: Vec<UvTable>,
+    /// Per face of the cage the number of its table of texture coordinates; empty without.
+    uv_numbers: HashMap<u32, u32>,
+    uv_tables: Vec<UvTable>,
     /// First of the object's texture coordinates among the control numbers.
     pub(super) first_uv: u32,
     /// See [`Face::colors`].
@@ -37,7 +37,36 @@ pub(super) struct Dicer<'a> {
     /// Per face of the cage that is drawn, its deepest level.
     pub(super) drawn_levels: HashMap<u32, u32>,
     /// Per edge of the whole quads, the level of the points on it; [`NONE`] where nothing is drawn.
-    pub(super) edge_levels: Vec<u32>,
+    edge_levels: Vec<u32>,
+}
+
+/// The table of a face.
+#[derive(Clone, Copy)]
+pub(super) struct FaceTable<'a, T> {
+    pub(super) places: &'a Places,
+    pub(super) number: u32,
+    pub(super) table: &'a T,
+}
+
+/// Shapes by what makes them different, numbered in the order in which they are met.
+#[derive(Default)]
+struct Shapes {
+    numbers: HashMap<Vec<u32>, u32>,
+    all: Vec<Surroundings>,
+}
+
+impl Shapes {
+    /// The number of a shape, and the bytes that it takes where it is new.
+    fn number(&mut self, key: Vec<u32>, shape: &Surroundings) -> (u32, usize) {
+        let next = self.all.len() as u32;
+        let bytes = shape.bytes() + size_of_val(&*key);
+        let number = *self.numbers.entry(key).or_insert(next);
+        if number != next {
+            return (number, 0);
+        }
+        self.all.push(shape.clone());
+        (number, bytes)
+    }
 }
 
 /// The half-edges whose faces give a side its points, and its normals.
@@ -53,7 +82,7 @@ impl<'a> Dicer<'a> {
         plan: &ObjectPlan,
         [first_point, first_face, first_uv, first_color]: [u32; 4],
         wants_uvs: bool,
-        limits: &Limits,
+        budget: &mut Budget<'_>,
     ) -> Result<Self, GpuError> {
         let surface = &object.surface;
         let mut dicer = Self {
@@ -63,7 +92,7 @@ impl<'a> Dicer<'a> {
             first_face,
             faces: HashMap::new(),
             tables: Vec::new(),
-            uv_shapes: HashMap::new(),
+            uv_numbers: HashMap::new(),
             uv_tables: Vec::new(),
             first_uv,
             patches: surface.patch_kind() == PatchKind::Qas,
@@ -77,15 +106,12 @@ impl<'a> Dicer<'a> {
         };
         dicer.check()?;
         let needs = dicer.needs(plan);
-        dicer.make_tables(&needs, limits)?;
-        if wants_uvs && surface.has_uvs() {
-            dicer.make_uv_tables(limits)?;
-        }
+        dicer.make_tables(&needs, wants_uvs && surface.has_uvs(), budget)?;
         Ok(dicer)
     }
 
     /// Tables grow with the faces around a vertex, and with the corners of a face.
-    pub(super) fn check(&self) -> Result<(), GpuError> {
+    fn check(&self) -> Result<(), GpuError> {
         let t = self.surface.topology();
         let most = t.fans().iter().map(|f| f.faces).max().unwrap_or(0);
         let corners = (0..t.face_count() as u32).map(|f| t.face_halves(f).len() as u32);
@@ -98,7 +124,7 @@ impl<'a> Dicer<'a> {
     }
 
     /// Levels that faces of the cage have to be known at: their own blocks', and those of sides and corners that they own.
-    pub(super) fn needs(&mut self, plan: &ObjectPlan) -> Vec<u32> {
+    fn needs(&mut self, plan: &ObjectPlan) -> Vec<u32> {
         let whole = self.surface.whole_quads();
         for (quad, &reach) in plan.reach.iter().enumerate() {
             if reach == NONE {
@@ -142,54 +168,72 @@ impl<'a> Dicer<'a> {
         needs
     }
 
-    pub(super) fn make_tables(&mut self, needs: &[u32], limits: &Limits) -> Result<(), GpuError> {
+    fn make_tables(
+        &mut self,
+        needs: &[u32],
+        with_uvs: bool,
+        budget: &mut Budget<'_>,
+    ) -> Result<(), GpuError> {
+        /// Faces between two looks at the budget.
+        const FACES: usize = 1024;
         let finder = Finder::new(self.surface);
-        let mut numbers: HashMap<Vec<u32>, u32> = HashMap::new();
-        let mut shapes: Vec<(Surroundings, u32)> = Vec::new();
-        for (face, &need) in needs.iter().enumerate() {
+        let (mut shapes, mut uv_shapes) = (Shapes::default(), Shapes::default());
+        let mut levels: Vec<u32> = Vec::new();
+        // Faces with texture coordinates, and the numbers of their shapes.
+        let mut uv_faces: Vec<[u32; 2]> = Vec::new();
+        let mut bytes = 0;
+        for (face, &need) in (0..).zip(needs) {
+            if (face as usize).is_multiple_of(FACES) {
+                let taken = std::mem::take(&mut bytes) as u128;
+                budget.take("the faces of the GPU backend", taken, 0)?;
+            }
             if need == NONE {
                 continue;
             }
-            if face % 1024 == 0 {
-                limits.check()?;
+            let found = finder.find(face);
+            let (shape, new) = shapes.number(found.key(), &found);
+            bytes += new;
+            match levels.get_mut(shape as usize) {
+                Some(level) => *level = need.max(*level),
+                None => levels.push(need),
             }
-            let found = finder.find(face as u32);
-            let next = shapes.len() as u32;
-            let number = *numbers.entry(found.key()).or_insert(next);
-            if number == next {
-                shapes.push((found.clone(), need));
-            } else {
-                let level = &mut shapes[number as usize].1;
-                *level = need.max(*level);
+            if with_uvs && self.drawn_levels.contains_key(&face) {
+                let (shape, new) = uv_shapes.number(found.uv_key(), &found);
+                bytes += new;
+                uv_faces.push([face, shape]);
             }
-            self.faces.insert(face as u32, (found, number));
+            let places = found.into_places(shape);
+            bytes += places.bytes();
+            self.faces.insert(face, places);
         }
-        self.tables = tables::make(self.surface, &shapes, limits)?;
-        Ok(())
+        budget.take("the faces of the GPU backend", bytes as u128, 0)?;
+        let wanted: Vec<_> = shapes.all.iter().zip(levels).collect();
+        self.tables = tables::make(self.surface, &wanted, budget)?;
+        self.make_uv_tables(&uv_faces, &uv_shapes.all, budget)
     }
 
     /// Tables of texture coordinates, as fine as those of points.
-    pub(super) fn make_uv_tables(&mut self, limits: &Limits) -> Result<(), GpuError> {
-        let mut numbers: HashMap<(Vec<u32>, u32), u32> = HashMap::new();
-        let mut shapes: Vec<(Surroundings, u32)> = Vec::new();
-        let mut faces: Vec<u32> = self.drawn_levels.keys().copied().collect();
-        faces.sort_unstable();
-        for face in faces {
-            let Some((shape, number)) = self.faces.get(&face) else {
-                continue;
-            };
+    fn make_uv_tables(
+        &mut self,
+        faces: &[[u32; 2]],
+        shapes: &[Surroundings],
+        budget: &mut Budget<'_>,
+    ) -> Result<(), GpuError> {
+        let mut numbers: HashMap<[u32; 2], u32> = HashMap::new();
+        let mut wanted: Vec<tables::Wanted<'_>> = Vec::new();
+        for &[face, shape] in faces {
             let level = match self.patches {
                 true => self.drawn_levels[&face],
-                false => self.tables[*number as usize].level,
+                false => self.tables[self.faces[&face].shape as usize].level,
             };
-            let next = shapes.len() as u32;
-            let number = *numbers.entry((shape.uv_key(), level)).or_insert(next);
+            let next = wanted.len() as u32;
+            let number = *numbers.entry([shape, level]).or_insert(next);
             if number == next {
-                shapes.push((shape.clone(), level));
+                wanted.push((&shapes[shape as usize], level));
             }
-            self.uv_shapes.insert(face, number);
+            self.uv_numbers.insert(face, number);
         }
-        self.uv_tables = tables::make_uvs(self.surface, &shapes, limits)?;
+        self.uv_tables = tables::make_uvs(self.surface, &wanted, budget)?;
         Ok(())
     }
 
@@ -222,9 +266,39 @@ impl<'a> Dicer<'a> {
         self.surface.scheme() == Scheme::Bilinear
     }
 
-    pub(super) fn table(&self, quad: u32) -> Option<(&Surroundings, u32, &Table)> {
-        let (shape, number) = self.faces.get(&self.surface.cage_face(quad))?;
-        Some((shape, *number, &self.tables[*number as usize]))
+    /// The table of a quad's face, which is drawn or gives points to one that is.
+    pub(super) fn table(&self, quad: u32) -> Result<FaceTable<'_, Table>, GpuError> {
+        let places = self.faces.get(&self.surface.cage_face(quad));
+        let places = places.ok_or(GpuError::Missing {
+            what: "table of a face",
+        })?;
+        Ok(FaceTable {
+            places,
+            number: places.shape,
+            table: &self.tables[places.shape as usize],
+        })
+    }
+
+    /// The table of its texture coordinates; nothing where none are wanted.
+    pub(super) fn uv_table(&self, quad: u32) -> Option<FaceTable<'_, UvTable>> {
+        let face = self.surface.cage_face(quad);
+        let number = *self.uv_numbers.get(&face)?;
+        Some(FaceTable {
+            places: self.faces.get(&face)?,
+            number,
+            table: &self.uv_tables[number as usize],
+        })
+    }
+
+    /// The level of the points on a side.
+    pub(super) fn side_level(&self, h: u32) -> Result<u32, GpuError> {
+        let whole = self.surface.whole_quads();
+        match self.edge_levels[whole.edge(h) as usize] {
+            NONE => Err(GpuError::Missing {
+                what: "level of a side",
+            }),
+            level => Ok(level),
+        }
     }
 
     /// Quad `quad` among those of its cage face.
@@ -247,11 +321,5 @@ impl<'a> Dicer<'a> {
             return [[k, 0], [n, k], [n - k, n - k]][c as usize];
         }
         [[k, 0], [n, k], [n - k, n], [0, n - k]][c as usize]
-    }
-
-    /// Number of shapes, and bytes of their tables.
-    pub(super) fn table_size(&self) -> (usize, u64) {
-        let bytes = self.tables.iter().map(Table::bytes).sum();
-        (self.tables.len(), bytes)
     }
 }

@@ -4,27 +4,26 @@ use super::chunk::{ChunkData, chunks};
 use super::device::Gpu;
 use super::dicer::Dicer;
 use super::error::GpuError;
-use super::pipelines::Pipelines;
-use super::plan::{ObjectPlan, plan};
+use super::pipelines::{Pipelines, Stage};
+use super::plan::plan;
 use super::read_back::{ReadBlock, read, read_floats};
-use super::records::{Chunk, Frame, Material, POINT_FLOATS, Record, words};
+use super::records::{Frame, Material, POINT_FLOATS, Record, words};
 use super::timer::Timer;
-use super::upload::{DeviceChunk, device_chunk, point_words, textures, uniform};
+use super::upload::{DeviceChunk, device_chunk, point_words, textures};
 use super::view::{Drawn, frame_record};
+use super::wgsl::GROUP;
 use crate::camera::{Camera, View};
 use crate::film::{Film, Image};
 use crate::frame::{Renderer, Scene};
+use crate::limits::Budget;
+use crate::mesh::Cage;
 use crate::shade::{ShadeMode, SurfaceMaterial};
 use crate::topology::NONE;
 use std::time::{Duration, Instant};
 use wgpu::BufferUsages as Usage;
 
-/// Workgroups along x of a dispatch; more go into further rows.
-pub(super) const ACROSS: u32 = 32768;
 /// Workgroups that share the list of large quads.
 const LARGE_GROUPS: u32 = 1024;
-/// Invocations of a workgroup.
-const GROUP: u32 = 64;
 
 /// What a picture took.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,13 +32,15 @@ pub struct GpuStats {
     pub faces: u64,
     /// Micro-triangles.
     pub microtriangles: u64,
+    /// Level of each object; of adaptive ones, their deepest.
+    pub levels: Vec<u32>,
     /// Pixels with something in them.
     pub pixels_covered: u64,
     /// Bytes written to the device for this picture: points that moved, and the view.
     pub bytes_up: u64,
     /// Bytes read back: the picture.
     pub bytes_down: u64,
-    /// Copies that read back.
+    /// Buffers that were read back.
     pub read_backs: u32,
     /// Chunks of blocks.
     pub chunks: u32,
@@ -49,7 +50,8 @@ pub struct GpuStats {
     pub scene_bytes: u64,
     /// Shapes of surroundings with a table of weights each.
     pub shapes: u32,
-    /// Time on the device by stage; empty unless asked for, or where the device keeps no time.
+    /// Time on the device by stage, of all bands together; `dice` only where points moved. Empty unless asked for, or where the device
+    /// keeps no time or not as many times as there are bands.
     pub stages: Vec<(&'static str, Duration)>,
     /// Wall time from the first byte up to the last one down.
     pub wall: Duration,
@@ -64,6 +66,16 @@ pub struct GpuFrame {
     pub stats: GpuStats,
     /// The view that the camera came to.
     pub view: View,
+}
+
+/// A scene that is ready to go to the device.
+struct Ready {
+    chunks: Vec<ChunkData>,
+    /// Control points of all objects.
+    points: Vec<[f32; 3]>,
+    /// What stands behind them: texture coordinates, then colours.
+    values: Vec<u32>,
+    stats: GpuStats,
 }
 
 struct Band {
@@ -91,7 +103,9 @@ pub struct GpuScene<'a> {
     bands: Vec<Band>,
     keys: wgpu::Buffer,
     sums: wgpu::Buffer,
+    /// A band of the picture.
     image: wgpu::Buffer,
+    /// The whole picture, on its way down.
     staging: wgpu::Buffer,
     timer: Option<Timer>,
     stats: GpuStats,
@@ -105,8 +119,9 @@ impl std::fmt::Debug for GpuScene<'_> {
     }
 }
 
-/// Stages that are timed, in the order of their passes.
-const TIMED: [&str; 4] = ["dice", "tile", "shade", "film"];
+/// Stages of a band that are timed, in the order of their passes. Times of the first band come first; that of `dice` is last, because
+/// pictures may go without.
+const TIMED: [&str; 3] = ["tile", "shade", "film"];
 
 impl<'a> GpuScene<'a> {
     /// Puts `scene` on the device, as `renderer` draws it and `camera` sees it.
@@ -120,10 +135,16 @@ impl<'a> GpuScene<'a> {
         camera: &Camera,
     ) -> Result<Self, GpuError> {
         let view = renderer.view(scene, camera)?;
-        let plans = plan(renderer, scene, &view)?;
+        let budget = &mut Budget::new(&renderer.limits);
+        let plan = plan(renderer, scene, &view, budget)?;
         let wants_uvs = renderer.mode == ShadeMode::Uv || !scene.textures.is_empty();
         let cages = || scene.objects.iter().map(|o| o.surface.cage());
         let all_points: usize = cages().map(|c| c.points().len()).sum();
+        let numbers = |c: &Cage| 2 * c.uvs().len() + 3 * c.colors().len();
+        let all_values: usize = cages().map(numbers).sum();
+        // Kept here, and put together for the device.
+        let bytes = 4 * (3 * all_points as u128 + all_values as u128);
+        budget.take("the control points of the GPU backend", 2 * bytes, bytes)?;
         let uvs = cages().flat_map(|c| c.uvs().iter().flatten());
         let mut values: Vec<u32> = uvs.map(|c| c.to_bits()).collect();
         let mut first_color = (3 * all_points + values.len()) as u32;
@@ -133,13 +154,13 @@ impl<'a> GpuScene<'a> {
         let mut first_uv = 3 * all_points as u32;
         let mut dicers = Vec::new();
         let mut control_points = Vec::new();
-        for (object, plan) in scene.objects.iter().zip(&plans) {
+        for (object, plan) in scene.objects.iter().zip(&plan.objects) {
             dicers.push(Dicer::new(
                 object,
                 plan,
                 [first_point, first_face, first_uv, first_color],
                 wants_uvs,
-                &renderer.limits,
+                budget,
             )?);
             let points = object.surface.control_base();
             control_points.extend_from_slice(points);
@@ -148,42 +169,64 @@ impl<'a> GpuScene<'a> {
             first_color += 3 * object.surface.cage().colors().len() as u32;
             first_face += object.surface.cage().face_count() as u32;
         }
-        let data = chunks(scene, &dicers, &plans, gpu.max_binding, &renderer.limits)?;
-        let id_bits = id_bits(&plans)?;
-        let shapes: usize = dicers.iter().map(|d| d.table_size().0).sum();
+        let data = chunks(&dicers, &plan.objects, gpu.max_binding, budget)?;
+        let shapes: usize = dicers.iter().map(|d| d.tables.len()).sum();
         drop(dicers);
-        let control = (control_points, values);
-        Self::upload(gpu, renderer, scene, view, &data, control, id_bits).map(|mut made| {
-            made.stats.faces = scene.face_count() as u64;
-            made.stats.microtriangles = plans.iter().map(|p| p.triangles).sum();
-            made.stats.shapes = shapes as u32;
-            made
-        })
+        let stats = GpuStats {
+            faces: scene.face_count() as u64,
+            microtriangles: plan.triangles,
+            levels: plan.levels,
+            shapes: shapes as u32,
+            ..GpuStats::default()
+        };
+        let drawn = Drawn {
+            size: renderer.size,
+            mode: renderer.mode,
+            background: renderer.background,
+            light_turn: renderer.light_turn,
+            id_bits: plan.id_bits,
+        };
+        let ready = Ready {
+            chunks: data,
+            points: control_points,
+            values,
+            stats,
+        };
+        let mut made = gpu.caught(|| Self::upload(gpu, drawn, scene, view, ready, budget))?;
+        made.measuring(renderer.measure)?;
+        Ok(made)
     }
 
     fn upload(
         gpu: &'a Gpu,
-        renderer: &Renderer,
+        drawn: Drawn,
         scene: &Scene,
         view: View,
-        data: &[ChunkData],
-        (control_points, values): (Vec<[f32; 3]>, Vec<u32>),
-        id_bits: u32,
+        ready: Ready,
+        budget: &mut Budget<'_>,
     ) -> Result<Self, GpuError> {
         let pipelines = gpu.pipelines()?;
-        let size = renderer.size;
+        let size = drawn.size;
+        let Ready {
+            chunks,
+            points: control_points,
+            values,
+            mut stats,
+        } = ready;
         let control = [point_words(&control_points), values].concat();
         let control = gpu.filled("control points", &control)?;
         let phases: usize = if gpu.wide { 1 } else { 2 };
         let mut scene_bytes = control.size();
         let mut made = Vec::new();
-        for chunk in data {
+        for chunk in chunks {
+            // Its words on their way to the device.
+            budget.take("the chunks of the GPU backend", 0, chunk.bytes())?;
             let chunk = device_chunk(gpu, pipelines, &control, chunk, phases, &mut scene_bytes)?;
             made.push(chunk);
         }
         let default = scene.default_material.unwrap_or(SurfaceMaterial::CLAY);
         let materials = scene.materials.iter().chain([&default]);
-        let (textures, places) = textures(gpu, scene)?;
+        let (textures, places) = textures(gpu, scene, budget)?;
         scene_bytes += textures.size();
         let materials = materials.map(|m| Material {
             diffuse: [m.diffuse[0], m.diffuse[1], m.diffuse[2], 1.0],
@@ -194,23 +237,18 @@ impl<'a> GpuScene<'a> {
             padding: [0; 3],
         });
         let materials = gpu.filled("materials", &words(&materials.collect::<Vec<_>>()))?;
-        // Rows of the picture whose keys fit a binding.
-        let row = 16 * u64::from(size.width) * u64::from(size.samples.div_ceil(2).max(1));
-        let rows = (gpu.max_binding / row).clamp(1, u64::from(size.height)) as u32;
+        // Rows of the picture whose keys, and sums of 16 bytes a pixel, fit a binding.
+        let row_bytes = 8 * u64::from(size.width) * u64::from(size.samples.max(2));
+        let rows = (gpu.max_binding / row_bytes).clamp(1, u64::from(size.height)) as u32;
         let band_pixels = u64::from(size.width) * u64::from(rows);
         let storage = Usage::STORAGE | Usage::COPY_DST;
         let keys = gpu.empty("keys", band_pixels * 8 * u64::from(size.samples), storage)?;
         let sums = gpu.empty("sums", band_pixels * 16, storage)?;
+        let image = gpu.empty("picture", 4 * band_pixels, storage | Usage::COPY_SRC)?;
         let image_bytes = 4 * u64::from(size.width) * u64::from(size.height);
-        let image = gpu.empty("picture", image_bytes, storage | Usage::COPY_SRC)?;
+        // The picture, and its bytes as they come down.
+        budget.take("the picture", 2 * u128::from(image_bytes), 0)?;
         let staging = gpu.empty("picture", image_bytes, Usage::COPY_DST | Usage::MAP_READ)?;
-        let whole = uniform(
-            gpu,
-            &Chunk {
-                groups: ACROSS,
-                ..Chunk::default()
-            },
-        )?;
         let mut bands = Vec::new();
         for start in (0..size.height).step_by(rows as usize) {
             let end = (start + rows).min(size.height);
@@ -219,7 +257,7 @@ impl<'a> GpuScene<'a> {
                 Frame::SIZE as u64,
                 Usage::UNIFORM | Usage::COPY_DST,
             )?;
-            let drawn = |stage: &super::pipelines::Stage, c: &DeviceChunk, phase: usize| {
+            let drawn = |stage: &Stage, c: &DeviceChunk, phase: usize| {
                 stage.bind(
                     gpu,
                     &[
@@ -232,7 +270,7 @@ impl<'a> GpuScene<'a> {
                     ],
                 )
             };
-            let all = |stage: &super::pipelines::Stage| -> Vec<Vec<wgpu::BindGroup>> {
+            let all = |stage: &Stage| -> Vec<Vec<wgpu::BindGroup>> {
                 let of = |c| (0..phases).map(|p| drawn(stage, c, p)).collect();
                 made.iter().map(of).collect()
             };
@@ -254,7 +292,7 @@ impl<'a> GpuScene<'a> {
                     ],
                 )
             });
-            let film = [(0, &frame), (1, &whole), (2, &sums), (3, &image)];
+            let film = [(0, &frame), (1, &sums), (2, &image)];
             bands.push(Band {
                 rows: [start, end],
                 tile: all(&pipelines.tile),
@@ -264,40 +302,42 @@ impl<'a> GpuScene<'a> {
                 frame,
             });
         }
-        scene_bytes += keys.size() + sums.size() + image.size();
-        gpu.check()?;
+        stats.chunks = made.len() as u32;
+        stats.bands = bands.len() as u32;
+        stats.scene_bytes = scene_bytes + keys.size() + sums.size() + image.size();
         Ok(Self {
             gpu,
-            drawn: Drawn {
-                size,
-                mode: renderer.mode,
-                background: renderer.background,
-                id_bits,
-            },
+            drawn,
             view,
             control,
             control_points,
-            moved: true,
+            // They are there with the rest.
+            moved: false,
             diced: false,
-            stats: GpuStats {
-                chunks: made.len() as u32,
-                bands: bands.len() as u32,
-                scene_bytes,
-                ..GpuStats::default()
-            },
+            stats,
             chunks: made,
             bands,
             keys,
             sums,
             image,
             staging,
-            timer: if renderer.measure {
-                Timer::of_stages(gpu, TIMED.len() as u32)?
-            } else {
-                None
-            },
+            timer: None,
             pipelines,
         })
+    }
+
+    /// Whether stages are timed from now on, which takes time itself.
+    ///
+    /// # Errors
+    /// [`GpuError`] of the device.
+    #[doc(hidden)]
+    pub fn measuring(&mut self, on: bool) -> Result<(), GpuError> {
+        let stages = self.bands.len() * TIMED.len() + 1;
+        self.timer = match on {
+            true => Timer::of_stages(self.gpu, stages as u32)?,
+            false => None,
+        };
+        Ok(())
     }
 
     /// The view that it was made for.
@@ -340,6 +380,11 @@ impl<'a> GpuScene<'a> {
                 what: "views of another size than the scene was made for",
             });
         }
+        let gpu = self.gpu;
+        gpu.caught(|| self.drawn_from(view))
+    }
+
+    fn drawn_from(&mut self, view: &View) -> Result<GpuFrame, GpuError> {
         let begin = Instant::now();
         let mut stats = self.stats.clone();
         let queue = self.gpu.queue();
@@ -354,31 +399,35 @@ impl<'a> GpuScene<'a> {
             self.moved = false;
             self.diced = false;
         }
+        let mut frame = frame_record(&self.drawn, view);
         for band in &self.bands {
-            let frame = frame_record(&self.drawn, view, band.rows);
+            [frame.band_start, frame.band_end] = band.rows;
             let words = words(&[frame]);
             queue.write_buffer(&band.frame, 0, bytemuck::cast_slice(&words));
             stats.bytes_up += 4 * words.len() as u64;
         }
+        let mut timed = (self.bands.len() * TIMED.len()) as u32;
         if !self.diced {
-            self.encode_dice(&mut encoder);
+            self.encode_dice(&mut encoder, timed);
             self.diced = true;
+            timed += 1;
         }
-        for band in &self.bands {
-            self.encode_band(&mut encoder, band);
+        let row_bytes = 4 * u64::from(self.drawn.size.width);
+        for (k, band) in self.bands.iter().enumerate() {
+            self.encode_band(&mut encoder, band, (k * TIMED.len()) as u32);
+            let [start, end] = band.rows.map(|row| u64::from(row) * row_bytes);
+            encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, start, end - start);
         }
-        encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, 0, self.staging.size());
         stats.read_backs += 1;
-        stats.bytes_down +=
-            4 * u64::from(self.drawn.size.width) * u64::from(self.drawn.size.height);
+        stats.bytes_down += row_bytes * u64::from(self.drawn.size.height);
         if let Some(timer) = &self.timer {
-            timer.resolve(&mut encoder);
+            timer.resolve(&mut encoder, timed);
         }
         queue.submit([encoder.finish()]);
         let bytes = read(self.gpu, &self.staging)?;
         stats.wall = begin.elapsed();
         if let Some(timer) = &self.timer {
-            stats.stages = TIMED.into_iter().zip(timer.read_all(self.gpu)?).collect();
+            stats.stages = self.by_stage(&timer.read(self.gpu, timed)?);
         }
         let mut image = Image::new(self.drawn.size.width, self.drawn.size.height);
         let length = image.data.len();
@@ -392,58 +441,66 @@ impl<'a> GpuScene<'a> {
         })
     }
 
+    /// Times of stages: of all bands together, and of `dice` where there is one more.
+    fn by_stage(&self, times: &[Duration]) -> Vec<(&'static str, Duration)> {
+        let (bands, dice) = times.split_at(self.bands.len() * TIMED.len());
+        let mut out: Vec<_> = dice.iter().map(|&time| ("dice", time)).collect();
+        for (k, name) in TIMED.into_iter().enumerate() {
+            out.push((name, bands.iter().skip(k).step_by(TIMED.len()).sum()));
+        }
+        out
+    }
+
     fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
-        stage: usize,
+        name: &'static str,
+        number: u32,
     ) -> wgpu::ComputePass<'e> {
-        let times = self.timer.as_ref().map(|t| t.of_stage(stage as u32));
         encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(TIMED[stage]),
-            timestamp_writes: times,
+            label: Some(name),
+            timestamp_writes: self.timer.as_ref().map(|t| t.of_stage(number)),
         })
     }
 
-    fn encode_dice(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = self.pass(encoder, 0);
+    fn encode_dice(&self, encoder: &mut wgpu::CommandEncoder, number: u32) {
+        let mut pass = self.pass(encoder, "dice", number);
         for c in &self.chunks {
             let groups = c.data.spots.div_ceil(GROUP);
-            self.pipelines
-                .sides
-                .run(&mut pass, &c.sides, groups, ACROSS);
+            self.pipelines.sides.run(&mut pass, &c.sides, groups);
             self.pipelines
                 .inside
-                .run(&mut pass, &c.inside, c.data.blocks, ACROSS);
+                .run(&mut pass, &c.inside, c.data.blocks);
         }
     }
 
-    fn encode_band(&self, encoder: &mut wgpu::CommandEncoder, band: &Band) {
+    /// Draws a band; its passes are numbered from `first` on.
+    fn encode_band(&self, encoder: &mut wgpu::CommandEncoder, band: &Band, first: u32) {
+        let [tile, shade, film] = TIMED;
         encoder.clear_buffer(&self.keys, 0, None);
         encoder.clear_buffer(&self.sums, 0, None);
         for c in &self.chunks {
             encoder.clear_buffer(&c.large, 0, Some(4));
         }
         let p = self.pipelines;
-        let mut pass = self.pass(encoder, 1);
+        let mut pass = self.pass(encoder, tile, first);
         let phases = self.chunks.first().map_or(0, |c| c.phases.len());
         for phase in 0..phases {
             for (k, c) in self.chunks.iter().enumerate() {
-                p.tile
-                    .run(&mut pass, &band.tile[k][phase], c.data.blocks, ACROSS);
-                p.large
-                    .run(&mut pass, &band.large[k][phase], LARGE_GROUPS, ACROSS);
+                p.tile.run(&mut pass, &band.tile[k][phase], c.data.blocks);
+                p.large.run(&mut pass, &band.large[k][phase], LARGE_GROUPS);
             }
         }
         drop(pass);
         let pixels = self.drawn.size.width * (band.rows[1] - band.rows[0]);
         let groups = pixels.div_ceil(GROUP);
-        let mut pass = self.pass(encoder, 2);
+        let mut pass = self.pass(encoder, shade, first + 1);
         for bindings in &band.shade {
-            p.shade.run(&mut pass, bindings, groups, ACROSS);
+            p.shade.run(&mut pass, bindings, groups);
         }
         drop(pass);
-        let mut pass = self.pass(encoder, 3);
-        p.film.run(&mut pass, &band.film, groups, ACROSS);
+        let mut pass = self.pass(encoder, film, first + 2);
+        p.film.run(&mut pass, &band.film, groups);
     }
 
     /// The diced points of all blocks, read back for tests. Nothing before the first picture.
@@ -470,17 +527,4 @@ impl<'a> GpuScene<'a> {
         }
         Ok(out)
     }
-}
-
-/// Bits of rows and columns in ids.
-fn id_bits(plans: &[ObjectPlan]) -> Result<u32, GpuError> {
-    let all = || plans.iter().flat_map(|p| &p.blocks);
-    let bits = all().map(|b| b.log).max().unwrap_or(0);
-    let count = all().count() as u64;
-    if count << (2 * bits + 1) > u64::from(u32::MAX) {
-        return Err(GpuError::OutOfMemory {
-            what: "the numbers of more than 4 thousand million micro-triangles: lower the level",
-        });
-    }
-    Ok(bits)
 }

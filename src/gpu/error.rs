@@ -42,6 +42,12 @@ pub enum GpuError {
         /// What.
         what: &'static str,
     },
+    /// A table that a face needs is missing: an error in this backend.
+    #[error("the GPU backend has no {what}")]
+    Missing {
+        /// What is missing.
+        what: &'static str,
+    },
     /// A budget was reached.
     #[error(transparent)]
     Limit(#[from] LimitError),

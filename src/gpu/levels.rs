@@ -9,16 +9,13 @@ use super::error::GpuError;
 use super::pipelines::{Stage, module, stage};
 use super::records::{Record, Step, words};
 use super::timer::Timer;
-use super::wgsl;
+use super::wgsl::{self, ALIGN, GROUP};
 use crate::dice::MAX_LEVEL;
 use crate::scheme::{CreaseMethod, Scheme};
 use crate::surface::Surface;
 use crate::topology::{NONE, Topology};
 use std::time::{Duration, Instant};
 use wgpu::BufferUsages as Usage;
-
-const ACROSS: u32 = 32768;
-const GROUP: u32 = 64;
 
 /// Refines a cage of quads on a device, level by level.
 ///
@@ -77,8 +74,6 @@ impl Counts {
             edges: edges.checked_mul(2)?.checked_add(faces.checked_mul(4)?)?,
             faces: faces.checked_mul(4)?,
         };
-        // Numbers of half-edges, three times over, are words of the shaders.
-        next.faces.checked_mul(12)?;
         Some(next)
     }
     fn halves(self) -> u64 {
@@ -89,7 +84,7 @@ impl Counts {
             vertices: self.vertices,
             edges: self.edges,
             faces: self.faces,
-            groups: ACROSS,
+            padding: 0,
         }
     }
 }
@@ -101,8 +96,9 @@ struct Part<'a> {
     words: [u64; 2],
 }
 
-/// Parts of one buffer begin at multiples of this many words.
-const ALIGN: u64 = 64;
+const TOO_LARGE: GpuError = GpuError::OutOfMemory {
+    what: "a level of this size in one buffer",
+};
 
 fn check(surface: &Surface, levels: u32) -> Result<(), GpuError> {
     let t = surface.topology();
@@ -132,12 +128,16 @@ fn check(surface: &Surface, levels: u32) -> Result<(), GpuError> {
 }
 
 impl Refiner {
-    /// A refiner of `surface`'s cage, to `levels` steps (1 to 10), with the points that it has now.
+    /// A refiner of `surface`'s cage, by `levels` steps (0 to 10; 0 is the cage itself), with the points that it has now.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] unless the cage is a manifold of quads under Catmull-Clark with uniform creases; what the device cannot hold.
     pub fn new(gpu: &Gpu, surface: &Surface, levels: u32) -> Result<Self, GpuError> {
         check(surface, levels)?;
+        gpu.caught(|| Self::on(gpu, surface, levels))
+    }
+
+    fn on(gpu: &Gpu, surface: &Surface, levels: u32) -> Result<Self, GpuError> {
         let points_source = |source: &wgsl::Source, entry| stage(gpu, &module(gpu, source), entry);
         let connectivity = module(gpu, &wgsl::connectivity());
         let stages = Stages {
@@ -156,7 +156,6 @@ impl Refiner {
         for _ in 0..levels {
             made.add_level(gpu)?;
         }
-        gpu.check()?;
         Ok(made)
     }
 
@@ -166,16 +165,9 @@ impl Refiner {
 
     /// Makes room for the next level and its connectivity.
     fn add_level(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
-        let too_large = GpuError::OutOfMemory {
-            what: "a level of this size in one buffer",
-        };
         let parent = self.last();
-        let counts = parent.counts.next().ok_or(too_large.clone())?;
+        let counts = parent.counts.next().ok_or(TOO_LARGE)?;
         let level = empty_level(gpu, counts)?;
-        let sizes = [&level.halves, &level.rest, &level.points].map(wgpu::Buffer::size);
-        if sizes.iter().any(|&bytes| bytes > gpu.max_binding) {
-            return Err(too_large);
-        }
         let step = gpu.empty("step", Step::SIZE as u64, Usage::UNIFORM | Usage::COPY_DST)?;
         let record = words(&[parent.counts.record()]);
         gpu.queue()
@@ -227,7 +219,7 @@ impl Refiner {
             timestamp_writes: None,
         });
         for (stage, bindings, count) in &made {
-            stage.run(&mut pass, bindings, groups(*count), ACROSS);
+            stage.run(&mut pass, bindings, groups(*count));
         }
         drop(pass);
         gpu.queue().submit([encoder.finish()]);
@@ -258,17 +250,15 @@ impl Refiner {
     fn encode_timed(&self, encoder: &mut wgpu::CommandEncoder, times: Option<&Timer>) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("levels"),
-            timestamp_writes: times.map(Timer::writes),
+            timestamp_writes: times.map(|t| t.of_stage(0)),
         });
         for step in &self.steps {
             let s = &self.stages;
             let c = step.counts;
-            s.face
-                .run(&mut pass, &step.face, groups(c.faces.into()), ACROSS);
-            s.edge
-                .run(&mut pass, &step.edge, groups(c.edges.into()), ACROSS);
+            s.face.run(&mut pass, &step.face, groups(c.faces.into()));
+            s.edge.run(&mut pass, &step.edge, groups(c.edges.into()));
             s.vertex
-                .run(&mut pass, &step.vertex, groups(c.vertices.into()), ACROSS);
+                .run(&mut pass, &step.vertex, groups(c.vertices.into()));
         }
     }
 
@@ -277,19 +267,23 @@ impl Refiner {
     /// # Errors
     /// [`GpuError`] of the device.
     pub fn timed(&self, gpu: &Gpu) -> Result<Duration, GpuError> {
-        let times = Timer::new(gpu)?;
+        gpu.caught(|| self.timed_on(gpu))
+    }
+
+    fn timed_on(&self, gpu: &Gpu) -> Result<Duration, GpuError> {
+        let times = Timer::of_stages(gpu, 1)?;
         let mut encoder = gpu
             .device()
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let begin = Instant::now();
         self.encode_timed(&mut encoder, times.as_ref());
         if let Some(times) = &times {
-            times.resolve(&mut encoder);
+            times.resolve(&mut encoder, 1);
         }
         gpu.queue().submit([encoder.finish()]);
         gpu.wait()?;
         match times {
-            Some(times) => times.read(gpu),
+            Some(times) => Ok(times.read(gpu, 1)?.iter().sum()),
             None => Ok(begin.elapsed()),
         }
     }
@@ -385,14 +379,14 @@ impl Level {
 
 /// Where twins and edges begin among the words of half-edges.
 fn half_parts(c: Counts) -> [u64; 2] {
-    let stride = c.halves().next_multiple_of(ALIGN);
+    let stride = c.halves().next_multiple_of(u64::from(ALIGN));
     [stride, 2 * stride]
 }
 
 /// Where first half-edges and sharpness begin in the rest.
 fn rest_parts(c: Counts) -> [u64; 2] {
-    let firsts = u64::from(c.edges).next_multiple_of(ALIGN);
-    let sharpness = firsts + u64::from(c.vertices).next_multiple_of(ALIGN);
+    let firsts = u64::from(c.edges).next_multiple_of(u64::from(ALIGN));
+    let sharpness = firsts + u64::from(c.vertices).next_multiple_of(u64::from(ALIGN));
     [firsts, sharpness]
 }
 
@@ -401,19 +395,22 @@ fn empty_level(gpu: &Gpu, counts: Counts) -> Result<Level, GpuError> {
     let [_, edges] = half_parts(counts);
     let [_, sharpness] = rest_parts(counts);
     let rest = sharpness + u64::from(counts.edges) + u64::from(counts.vertices);
+    let sizes = [
+        4 * (edges + counts.halves()),
+        4 * rest,
+        12 * u64::from(counts.vertices),
+    ];
+    // Their numbers are words of the shaders.
+    let words = edges + counts.halves();
+    if words > u64::from(u32::MAX) || sizes.iter().any(|&bytes| bytes > gpu.max_binding) {
+        return Err(TOO_LARGE);
+    }
+    let [halves, rest, points] = sizes;
     Ok(Level {
         counts,
-        halves: gpu.empty(
-            "half-edges",
-            4 * (edges + counts.halves()),
-            usage | Usage::INDEX,
-        )?,
-        rest: gpu.empty("edges", 4 * rest, usage)?,
-        points: gpu.empty(
-            "points",
-            12 * u64::from(counts.vertices),
-            usage | Usage::VERTEX,
-        )?,
+        halves: gpu.empty("half-edges", halves, usage | Usage::INDEX)?,
+        rest: gpu.empty("edges", rest, usage)?,
+        points: gpu.empty("points", points, usage | Usage::VERTEX)?,
     })
 }
 

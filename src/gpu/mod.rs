@@ -30,9 +30,9 @@
 //!
 //! # What is refused
 //!
-//! Displacement, curved PN triangles, refinement patterns, control points and cages in place of the limit, opacity, normal and bump maps,
-//! n-gons at level 0, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead. Adaptive blocks are decided on the
-//! processor, for the view that a scene was made for.
+//! Displacement, curved PN triangles, QAS patches with colours of vertices, refinement patterns, control points and cages in place of the limit,
+//! opacity, normal and bump maps, outputs beside the picture, n-gons at level 0, vertices of more than 512 faces. An error names it; nothing is
+//! drawn elsewhere instead. Adaptive blocks are decided on the processor, for the view that a scene was made for.
 
 pub mod records;
 pub mod wgsl;

@@ -1,8 +1,7 @@
 //! Compute pipelines of all stages, made once per device.
 
 use super::device::Gpu;
-use super::error::GpuError;
-use super::wgsl::{self, Keys, Source};
+use super::wgsl::{self, ACROSS, Keys, Source};
 
 /// A stage's pipeline.
 #[derive(Debug)]
@@ -22,18 +21,17 @@ pub(super) struct Pipelines {
 }
 
 impl Pipelines {
-    pub(super) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+    pub(super) fn new(gpu: &Gpu) -> Self {
         let keys = if gpu.wide { Keys::Wide } else { Keys::TwoPass };
         let dice = module(gpu, &wgsl::dice());
-        let made = Self {
+        Self {
             sides: stage(gpu, &dice, "sides"),
             inside: stage(gpu, &dice, "inside"),
             tile: stage(gpu, &module(gpu, &wgsl::tile(keys)), "main"),
             large: stage(gpu, &module(gpu, &wgsl::large(keys)), "main"),
             shade: stage(gpu, &module(gpu, &wgsl::shade()), "main"),
             film: stage(gpu, &module(gpu, &wgsl::film()), "main"),
-        };
-        gpu.check().map(|()| made)
+        }
     }
 }
 
@@ -76,19 +74,18 @@ impl Stage {
         })
     }
 
-    /// Runs `groups` workgroups, in rows of `across`.
+    /// Runs `groups` workgroups, in rows of [`ACROSS`].
     pub(super) fn run(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         bindings: &wgpu::BindGroup,
         groups: u32,
-        across: u32,
     ) {
         if groups == 0 {
             return;
         }
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, bindings, &[]);
-        pass.dispatch_workgroups(groups.min(across), groups.div_ceil(across), 1);
+        pass.dispatch_workgroups(groups.min(ACROSS), groups.div_ceil(ACROSS), 1);
     }
 }

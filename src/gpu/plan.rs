@@ -2,9 +2,11 @@
 //! where it follows the picture.
 
 use super::error::GpuError;
+use super::wgsl::BLOCK_BITS;
 use crate::camera::View;
 use crate::dice::FacePatch;
 use crate::frame::{Drawing, Object, Renderer, Scene};
+use crate::limits::Budget;
 use crate::patch::PatchKind;
 use crate::tessellate::Tessellation;
 use crate::topology::NONE;
@@ -31,7 +33,17 @@ pub(super) struct ObjectPlan {
     pub(super) blocks: Vec<PlannedBlock>,
     /// Point in the block, row by row, and where it is on the face's reach.
     pub(super) moves: Vec<[u32; 3]>,
+}
+
+/// What is drawn of a scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Plan {
+    pub(super) objects: Vec<ObjectPlan>,
+    /// Level of every object; of tessellated ones, their deepest.
+    pub(super) levels: Vec<u32>,
     pub(super) triangles: u64,
+    /// Bits of rows and columns in ids.
+    pub(super) id_bits: u32,
 }
 
 /// Refuses what this backend does not draw.
@@ -39,6 +51,9 @@ fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
     let refuse = |what| Err(GpuError::Unsupported { what });
     if renderer.drawing != Drawing::Limit {
         return refuse("refined control points or cages; --surface limit");
+    }
+    if !renderer.aovs.is_empty() {
+        return refuse("outputs beside the picture");
     }
     let materials = || scene.materials.iter().chain(&scene.default_material);
     if materials().any(|m| m.opacity_map.is_some() || m.relief.is_some()) {
@@ -59,32 +74,83 @@ fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
     Ok(())
 }
 
-/// What is drawn of every object of a scene, and whether it depends on the view.
+/// How much is drawn of an object, before there is room for it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Extent {
+    quads: u64,
+    blocks: u64,
+    moves: u64,
+    triangles: u64,
+    /// Micro-quads along the longest block, as a power of two.
+    log: u32,
+}
+
+impl Extent {
+    /// Bytes of its plan.
+    fn bytes(&self) -> u128 {
+        let bytes = |count: u64, size: usize| u128::from(count) * size as u128;
+        bytes(self.quads, size_of::<u32>())
+            + bytes(self.blocks, size_of::<PlannedBlock>())
+            + bytes(self.moves, size_of::<[u32; 3]>())
+    }
+}
+
+/// What is drawn of every object of a scene. Faces, numbers and memory are counted before anything is listed.
 pub(super) fn plan(
     renderer: &Renderer,
     scene: &Scene,
     view: &View,
-) -> Result<Vec<ObjectPlan>, GpuError> {
+    budget: &mut Budget<'_>,
+) -> Result<Plan, GpuError> {
     check(renderer, scene)?;
-    let (levels, tessellations) = renderer.decide(scene, view)?;
-    let mut out = Vec::new();
+    let (levels, tessellations) = renderer.decide(scene, view, budget)?;
+    let mut extents = Vec::new();
     for ((object, &level), found) in scene.objects.iter().zip(&levels).zip(&tessellations) {
-        out.push(match found {
-            Some(found) => tessellated(object, found)?,
-            None => uniform(scene, object, level)?,
+        extents.push(match found {
+            Some(found) => tessellated_extent(object, found)?,
+            None => uniform_extent(scene, object, level)?,
         });
     }
-    let triangles: u64 = out.iter().map(|o| o.triangles).sum();
+    let triangles: u64 = extents.iter().map(|e| e.triangles).sum();
     renderer.limits.faces(u128::from(triangles) / 2)?;
-    Ok(out)
+    let id_bits = id_bits(&extents)?;
+    let bytes = extents.iter().map(Extent::bytes).sum();
+    budget.take("the blocks of the GPU backend", bytes, 0)?;
+    let mut objects = Vec::new();
+    for ((object, &level), found) in scene.objects.iter().zip(&levels).zip(&tessellations) {
+        objects.push(match found {
+            Some(found) => tessellated(object, found),
+            None => uniform(scene, object, level),
+        });
+    }
+    Ok(Plan {
+        objects,
+        levels,
+        triangles,
+        id_bits,
+    })
 }
 
-fn is_drawn(scene: &Scene, object: &Object, face: u32) -> bool {
-    let clear = scene.materials.get(object.material(face) as usize);
-    !object.surface.topology().is_hole(face) && clear.is_none_or(|m| m.opacity >= 0.5)
+/// Bits of rows and columns in ids.
+fn id_bits(extents: &[Extent]) -> Result<u32, GpuError> {
+    let bits = extents.iter().map(|e| e.log).max().unwrap_or(0);
+    let count: u64 = extents.iter().map(|e| e.blocks).sum();
+    if u128::from(count) << (2 * bits + 1) > u128::from(u32::MAX) {
+        return Err(GpuError::OutOfMemory {
+            what: "the numbers of more than 4 thousand million micro-triangles: lower the level",
+        });
+    }
+    Ok(bits)
 }
 
-fn uniform(scene: &Scene, object: &Object, level: u32) -> Result<ObjectPlan, GpuError> {
+/// Quads of an object that are drawn.
+fn drawn_quads<'a>(scene: &'a Scene, object: &'a Object) -> impl Iterator<Item = u32> + 'a {
+    let surface = &object.surface;
+    let quads = 0..surface.quads().face_count() as u32;
+    quads.filter(move |&q| scene.is_drawn(object, surface.cage_face(q)))
+}
+
+fn uniform_extent(scene: &Scene, object: &Object, level: u32) -> Result<Extent, GpuError> {
     let surface = &object.surface;
     let split = u32::from(surface.is_split());
     if level < split {
@@ -93,17 +159,31 @@ fn uniform(scene: &Scene, object: &Object, level: u32) -> Result<ObjectPlan, Gpu
         });
     }
     let quad_level = level - split;
-    let quads = surface.quads().face_count();
+    let side = u64::from(FacePatch::blocks_per_side(quad_level));
+    let [blocks, triangles] = match surface.is_triangular() {
+        true => [side * (side + 1) / 2, 1_u64 << (2 * quad_level)],
+        false => [side * side, 2_u64 << (2 * quad_level)],
+    };
+    let drawn = drawn_quads(scene, object).count() as u64;
+    Ok(Extent {
+        quads: surface.quads().face_count() as u64,
+        blocks: drawn * blocks,
+        moves: 0,
+        triangles: drawn * triangles,
+        log: quad_level.min(BLOCK_BITS),
+    })
+}
+
+fn uniform(scene: &Scene, object: &Object, level: u32) -> ObjectPlan {
+    let surface = &object.surface;
+    let quad_level = level - u32::from(surface.is_split());
     let mut plan = ObjectPlan {
-        reach: vec![NONE; quads],
+        reach: vec![NONE; surface.quads().face_count()],
         ..ObjectPlan::default()
     };
     let blocks = FacePatch::blocks_per_side(quad_level);
-    let log = quad_level.min(5);
-    for quad in 0..quads as u32 {
-        if !is_drawn(scene, object, surface.cage_face(quad)) {
-            continue;
-        }
+    let log = quad_level.min(BLOCK_BITS);
+    for quad in drawn_quads(scene, object) {
         plan.reach[quad as usize] = quad_level;
         for bv in 0..blocks {
             for bu in 0..blocks {
@@ -120,12 +200,32 @@ fn uniform(scene: &Scene, object: &Object, level: u32) -> Result<ObjectPlan, Gpu
                 });
             }
         }
-        plan.triangles += (2 - u64::from(surface.is_triangular())) << (2 * quad_level);
     }
-    Ok(plan)
+    plan
 }
 
-fn tessellated(object: &Object, found: &Tessellation) -> Result<ObjectPlan, GpuError> {
+fn tessellated_extent(object: &Object, found: &Tessellation) -> Result<Extent, GpuError> {
+    let mut out = Extent {
+        quads: object.surface.quads().face_count() as u64,
+        blocks: found.leaves.len() as u64,
+        moves: found.move_count() as u64,
+        ..Extent::default()
+    };
+    for leaf in &found.leaves {
+        if found.list(leaf).is_some() {
+            return Err(GpuError::Unsupported {
+                what: "refinement patterns",
+            });
+        }
+        let half = u64::from(found.triangular && leaf.is_diagonal());
+        out.triangles += (2 - half) << (2 * leaf.log);
+        out.log = out.log.max(u32::from(leaf.log));
+    }
+    out.triangles -= out.moves;
+    Ok(out)
+}
+
+fn tessellated(object: &Object, found: &Tessellation) -> ObjectPlan {
     let surface = &object.surface;
     let split = u32::from(surface.is_split());
     let mut plan = ObjectPlan {
@@ -133,11 +233,6 @@ fn tessellated(object: &Object, found: &Tessellation) -> Result<ObjectPlan, GpuE
         ..ObjectPlan::default()
     };
     for (k, leaf) in found.leaves.iter().enumerate() {
-        if found.list(leaf).is_some() {
-            return Err(GpuError::Unsupported {
-                what: "refinement patterns",
-            });
-        }
         plan.reach[leaf.quad as usize] = u32::from(leaf.reach);
         let side = (1_u32 << leaf.log) + 1;
         let first = plan.moves.len() as u32;
@@ -154,9 +249,6 @@ fn tessellated(object: &Object, found: &Tessellation) -> Result<ObjectPlan, GpuE
             shown: u32::from(leaf.level) + split,
             moves: [first, plan.moves.len() as u32],
         });
-        let half = u64::from(found.triangular && leaf.is_diagonal());
-        plan.triangles += (2 - half) << (2 * leaf.log);
     }
-    plan.triangles -= found.move_count() as u64;
-    Ok(plan)
+    plan
 }

@@ -162,14 +162,14 @@ record! {
         spots: u32,
         /// Of the two-pass raster: 0 for depths, 1 for ids.
         phase: u32,
-        /// Workgroups along x of every dispatch.
-        groups: u32,
         /// Whether faces are triangles.
         triangles: u32,
         /// Entries that the list of large quads holds.
         large: u32,
         /// 1 where faces are quadratic patches through points of level 1.
         patches: u32,
+        /// Nothing.
+        padding: u32,
     }
 }
 
@@ -258,10 +258,8 @@ record! {
         move_count: u32,
         /// Level that it shows.
         level: u32,
-        /// First of its quads among those of the chunk.
-        first_quad: u32,
         /// Nothing.
-        padding: [u32; 2],
+        padding: [u32; 3],
     }
 }
 
@@ -300,8 +298,8 @@ record! {
         edges: u32,
         /// Faces.
         faces: u32,
-        /// Workgroups along x of every dispatch.
-        groups: u32,
+        /// Nothing.
+        padding: u32,
     }
 }
 

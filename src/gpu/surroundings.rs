@@ -5,7 +5,7 @@ use crate::mesh::{Cage, Corner, Crease, Tags};
 use crate::patch::PatchKind;
 use crate::surface::Surface;
 use crate::topology::NONE;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The faces around one face of a cage.
 #[derive(Clone, Debug, Default)]
@@ -81,7 +81,7 @@ impl<'a> Finder<'a> {
             out: Surroundings::default(),
             local: HashMap::new(),
             local_uvs: HashMap::new(),
-            faces: HashMap::new(),
+            faces: HashSet::new(),
             seen_at: Vec::new(),
         };
         let first = self.surface.topology().face_halves(face).start;
@@ -103,7 +103,7 @@ struct Walk<'a> {
     out: Surroundings,
     local: HashMap<u32, u32>,
     local_uvs: HashMap<u32, u32>,
-    faces: HashMap<u32, ()>,
+    faces: HashSet<u32>,
     /// Half-edge in which each local vertex was met first.
     seen_at: Vec<u32>,
 }
@@ -112,7 +112,7 @@ impl Walk<'_> {
     /// Adds the face of half-edge `h`, beginning with its vertex only where it is the first.
     fn add_face(&mut self, h: u32) {
         let t = self.finder.surface.topology();
-        if self.faces.insert(t.face_of(h), ()).is_some() {
+        if !self.faces.insert(t.face_of(h)) {
             return;
         }
         let count = t.face_halves(t.face_of(h)).len();
@@ -164,7 +164,7 @@ impl Walk<'_> {
     }
 
     fn finish(mut self) -> Surroundings {
-        let mut seen = HashMap::new();
+        let mut seen = HashSet::new();
         let mut first = 0;
         if !self.finder.creases.is_empty() {
             for &size in &self.out.sizes {
@@ -174,7 +174,7 @@ impl Walk<'_> {
                     let whole = [a, b].map(|v| self.out.vertices[v as usize]);
                     let found = self.finder.creases.get(&edge(whole[0], whole[1]));
                     if let Some(&sharpness) = found
-                        && seen.insert(edge(a, b), ()).is_none()
+                        && seen.insert(edge(a, b))
                     {
                         self.out.creases.push(Crease {
                             vertices: edge(a, b),
@@ -197,7 +197,52 @@ impl Walk<'_> {
     }
 }
 
+/// What faces of one shape differ in: where their surroundings are in the cage.
+#[derive(Clone, Debug)]
+pub(super) struct Places {
+    /// Number of the shape.
+    pub(super) shape: u32,
+    /// As in [`Surroundings`].
+    pub(super) vertices: Vec<u32>,
+    /// As in [`Surroundings`].
+    pub(super) uvs: Vec<u32>,
+}
+
+impl Places {
+    /// Bytes that it takes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&*self.vertices) + size_of_val(&*self.uvs)
+    }
+}
+
 impl Surroundings {
+    /// What is left of them when their shape is known.
+    pub(super) fn into_places(self, shape: u32) -> Places {
+        Places {
+            shape,
+            vertices: self.vertices,
+            uvs: self.uvs,
+        }
+    }
+
+    /// Bytes that they take.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<Self>()
+            + size_of_val(&*self.vertices)
+            + size_of_val(&*self.sizes)
+            + size_of_val(&*self.corners)
+            + size_of_val(&*self.creases)
+            + size_of_val(&*self.sharp)
+            + size_of_val(&*self.uvs)
+            + size_of_val(&*self.corner_uvs)
+    }
+
+    /// Whether the face itself has texture coordinates all around.
+    pub(super) fn has_own_uvs(&self) -> bool {
+        let own = self.corner_uvs.get(..self.size() as usize);
+        own.is_some_and(|own| !own.contains(&NONE))
+    }
+
     /// Numbers that are the same where all weights are.
     pub(super) fn key(&self) -> Vec<u32> {
         let mut key = vec![self.vertices.len() as u32, self.sizes.len() as u32];

@@ -6,7 +6,7 @@
 use super::error::GpuError;
 use super::surroundings::Surroundings;
 use crate::evaluate::Tangents;
-use crate::limits::Limits;
+use crate::limits::Budget;
 use crate::surface::Surface;
 use rayon::prelude::*;
 
@@ -40,53 +40,66 @@ impl Table {
 /// Most bytes of all tables of a surface.
 const MOST_BYTES: u128 = 4 << 30;
 
-/// Whether tables of `shapes` may be made.
-fn check(
+/// A shape of surroundings, and the level that it is wanted at.
+pub(super) type Wanted<'a> = (&'a Surroundings, u32);
+
+/// Takes the memory of tables of `shapes`, of which each has a number of values per point.
+fn take(
     surface: &Surface,
-    shapes: &[(Surroundings, u32)],
-    limits: &Limits,
+    shapes: &[Wanted<'_>],
+    values: impl Fn(&Surroundings) -> usize,
+    budget: &mut Budget<'_>,
 ) -> Result<(), GpuError> {
-    let split = surface.is_split();
-    let bytes = shapes.iter().map(|(s, level)| predicted(s, split, *level));
+    let bytes = shapes.iter().map(|&(shape, level)| {
+        let side = (1_u128 << level) + 1;
+        4 * side * side * subs(surface, shape) as u128 * values(shape) as u128
+    });
     let bytes = bytes.sum();
     if bytes > MOST_BYTES {
         return Err(GpuError::OutOfMemory {
             what: "the tables of weights: lower the level",
         });
     }
-    Ok(limits.memory("the tables of the GPU backend", bytes)?)
+    Ok(budget.take("the tables of the GPU backend", bytes, 0)?)
 }
 
-/// Bytes of a table.
-fn predicted(shape: &Surroundings, split: bool, level: u32) -> u128 {
-    let side = (1_u128 << level) + 1;
-    let subs = if split { u128::from(shape.size()) } else { 1 };
-    12 * side * side * subs * shape.vertices.len() as u128
+/// Quads of a face that have a grid each.
+fn subs(surface: &Surface, shape: &Surroundings) -> usize {
+    match surface.is_split() {
+        true => shape.size() as usize,
+        false => 1,
+    }
 }
+
+/// Where the processor's evaluation gives no weights, a face would silently be drawn as a point.
+const NO_WEIGHTS: GpuError = GpuError::Missing {
+    what: "weights of a face",
+};
 
 /// Makes the tables of `shapes` at their levels.
 pub(super) fn make(
     surface: &Surface,
-    shapes: &[(Surroundings, u32)],
-    limits: &Limits,
+    shapes: &[Wanted<'_>],
+    budget: &mut Budget<'_>,
 ) -> Result<Vec<Table>, GpuError> {
-    check(surface, shapes, limits)?;
+    take(surface, shapes, |shape| 3 * shape.vertices.len(), budget)?;
+    let limits = budget.limits();
     shapes
         .par_iter()
-        .map(|(shape, level)| {
+        .map(|&(shape, level)| {
             limits.check()?;
-            Ok(one(surface, shape, *level))
+            one(surface, shape, level)
         })
         .collect()
 }
 
-fn one(whole: &Surface, shape: &Surroundings, level: u32) -> Table {
+fn one(whole: &Surface, shape: &Surroundings, level: u32) -> Result<Table, GpuError> {
     let (split, triangles) = (whole.is_split(), whole.is_triangular());
     let mut surface = shape.surface(whole);
     let count = shape.vertices.len();
     let n = 1_u32 << level;
     let side = n as usize + 1;
-    let subs = if split { shape.size() as usize } else { 1 };
+    let subs = subs(whole, shape);
     // A face of four corners among others is evaluated as a whole, its quads being quarters.
     let quarters = split && shape.size() == 4;
     let asked = if quarters { 2 * n } else { n };
@@ -98,17 +111,11 @@ fn one(whole: &Surface, shape: &Surroundings, level: u32) -> Table {
         for k in first..count.min(first + 3) {
             points[k][k - first] = 1.0;
         }
-        if surface.update_points(&points).is_err() {
-            continue;
-        }
-        let Some(mut face) = surface.face_evaluator(0) else {
-            continue;
-        };
+        surface.update_points(&points).map_err(|_| NO_WEIGHTS)?;
+        let mut face = surface.face_evaluator(0).ok_or(NO_WEIGHTS)?;
         samples.clear();
         samples.resize(face.grid_len(asked), Tangents::default());
-        if face.grid(asked, &mut samples).is_err() {
-            continue;
-        }
+        face.grid(asked, &mut samples).map_err(|_| NO_WEIGHTS)?;
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -134,7 +141,7 @@ fn one(whole: &Surface, shape: &Surroundings, level: u32) -> Table {
         columns: (0..count as u32).collect(),
         weights,
     };
-    compact(table, subs)
+    Ok(compact(table, subs))
 }
 
 /// Where in a grid of `n` segments over a face of four corners point (i, j) of its quad at corner `sub` is.
@@ -199,25 +206,28 @@ impl UvTable {
 /// Makes the tables of texture coordinates of `shapes` at their levels.
 pub(super) fn make_uvs(
     surface: &Surface,
-    shapes: &[(Surroundings, u32)],
-    limits: &Limits,
+    shapes: &[Wanted<'_>],
+    budget: &mut Budget<'_>,
 ) -> Result<Vec<UvTable>, GpuError> {
-    check(surface, shapes, limits)?;
+    take(surface, shapes, |shape| shape.uvs.len(), budget)?;
+    let limits = budget.limits();
     shapes
         .par_iter()
-        .map(|(shape, level)| {
+        .map(|&(shape, level)| {
             limits.check()?;
-            Ok(one_uvs(surface, shape, *level))
+            one_uvs(surface, shape, level)
         })
         .collect()
 }
 
-fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> UvTable {
+fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> Result<UvTable, GpuError> {
     let split = whole.is_split();
+    // A face without any among faces that have some has zeros.
+    let is_known = shape.has_own_uvs();
     let count = shape.uvs.len();
     let n = 1_usize << level;
     let side = n + 1;
-    let subs = if split { shape.size() as usize } else { 1 };
+    let subs = subs(whole, shape);
     let mut weights = vec![0.0_f32; subs * count * side * side];
     for first in (0..count).step_by(2) {
         let mut values = vec![[0.0_f32; 2]; count];
@@ -226,9 +236,7 @@ fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> UvTable {
             second[1] = 1.0;
         }
         let surface = shape.surface_with(whole, &values);
-        let Some(mut face) = surface.face_evaluator(0) else {
-            continue;
-        };
+        let mut face = surface.face_evaluator(0).ok_or(NO_WEIGHTS)?;
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -240,9 +248,16 @@ fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> UvTable {
                             let [x, y] = [k % (2 * n + 1), k / (2 * n + 1)];
                             [x, y].map(|x| x as f32 / (2 * n) as f32)
                         }
+                        // Where a polygon's quad ends its next one begins, elsewhere: the last place before.
+                        (_, true, _) if i == n => {
+                            [(sub as f32 + 1.0).next_down(), j as f32 / n as f32]
+                        }
                         _ => [sub as f32 + i as f32 / n as f32, j as f32 / n as f32],
                     };
-                    let found = face.uv(at[0], at[1]).unwrap_or_default();
+                    let found = match face.uv(at[0], at[1]) {
+                        None if is_known => return Err(NO_WEIGHTS),
+                        found => found.unwrap_or_default(),
+                    };
                     for k in first..count.min(first + 2) {
                         weights[((sub * count + k) * side + j) * side + i] = found[k - first];
                     }
@@ -250,9 +265,9 @@ fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> UvTable {
             }
         }
     }
-    UvTable {
+    Ok(UvTable {
         level,
         count: count as u32,
         weights,
-    }
+    })
 }

@@ -6,23 +6,21 @@ use super::read_back::read;
 use std::time::Duration;
 use wgpu::BufferUsages as Usage;
 
+/// Most time stamps of a set, in WebGPU.
+const MOST: u32 = 4096;
+
 /// Time stamps of some stages.
 #[derive(Debug)]
 pub(super) struct Timer {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
-    stages: u32,
 }
 
 impl Timer {
-    /// For one stage; nothing where the device keeps no time.
-    pub(super) fn new(gpu: &Gpu) -> Result<Option<Self>, GpuError> {
-        Self::of_stages(gpu, 1)
-    }
-
+    /// For some stages; nothing where the device keeps no time, or has not so many stamps.
     pub(super) fn of_stages(gpu: &Gpu, stages: u32) -> Result<Option<Self>, GpuError> {
-        if !gpu.timestamps {
+        if !gpu.timestamps || stages > MOST / 2 {
             return Ok(None);
         }
         let set = gpu.device().create_query_set(&wgpu::QuerySetDescriptor {
@@ -35,13 +33,7 @@ impl Timer {
             set,
             resolved: gpu.empty("times", bytes, Usage::QUERY_RESOLVE | Usage::COPY_SRC)?,
             staging: gpu.empty("times", bytes, Usage::COPY_DST | Usage::MAP_READ)?,
-            stages,
         }))
-    }
-
-    /// Stamps of the first stage.
-    pub(super) fn writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
-        self.of_stage(0)
     }
 
     pub(super) fn of_stage(&self, stage: u32) -> wgpu::ComputePassTimestampWrites<'_> {
@@ -52,17 +44,14 @@ impl Timer {
         }
     }
 
-    pub(super) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.set, 0..2 * self.stages, &self.resolved, 0);
+    /// Copies the stamps of the first `stages`, all of which have been passed.
+    pub(super) fn resolve(&self, encoder: &mut wgpu::CommandEncoder, stages: u32) {
+        encoder.resolve_query_set(&self.set, 0..2 * stages, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, self.staging.size());
     }
 
-    /// Time of the first stage, once the device is done.
-    pub(super) fn read(&self, gpu: &Gpu) -> Result<Duration, GpuError> {
-        Ok(self.read_all(gpu)?.first().copied().unwrap_or_default())
-    }
-
-    pub(super) fn read_all(&self, gpu: &Gpu) -> Result<Vec<Duration>, GpuError> {
+    /// Times of the first `stages`, once the device is done.
+    pub(super) fn read(&self, gpu: &Gpu, stages: u32) -> Result<Vec<Duration>, GpuError> {
         let bytes = read(gpu, &self.staging)?;
         let period = f64::from(gpu.queue().get_timestamp_period());
         let ticks: Vec<u64> = bytes
@@ -74,7 +63,7 @@ impl Timer {
         let spent = |[begin, end]: &[u64; 2]| {
             Duration::from_nanos((end.saturating_sub(*begin) as f64 * period) as u64)
         };
-        let pairs = ticks.as_chunks::<2>().0.iter().take(self.stages as usize);
+        let pairs = ticks.as_chunks::<2>().0.iter().take(stages as usize);
         Ok(pairs.map(spent).collect())
     }
 }

@@ -2,11 +2,11 @@
 
 use super::chunk::{ChunkData, NamedBlock};
 use super::device::Gpu;
-use super::draw::ACROSS;
 use super::error::GpuError;
 use super::pipelines::Pipelines;
 use super::records::{POINT_FLOATS, Record, words};
 use crate::frame::Scene;
+use crate::limits::Budget;
 use wgpu::BufferUsages as Usage;
 
 /// A chunk on the device, ready to be diced.
@@ -34,13 +34,19 @@ pub(super) struct ChunkCounts {
 }
 
 /// All textures in one buffer, and where each begins.
-pub(super) fn textures(gpu: &Gpu, scene: &Scene) -> Result<(wgpu::Buffer, Vec<u32>), GpuError> {
+pub(super) fn textures(
+    gpu: &Gpu,
+    scene: &Scene,
+    budget: &mut Budget<'_>,
+) -> Result<(wgpu::Buffer, Vec<u32>), GpuError> {
     let bytes: u64 = scene.textures.iter().map(|t| 2048 + t.bytes() as u64).sum();
     if bytes > gpu.max_binding {
         return Err(GpuError::OutOfMemory {
             what: "the textures in one buffer",
         });
     }
+    // All of them together, and one alone on its way there.
+    budget.take("the textures of the GPU backend", 0, 2 * u128::from(bytes))?;
     let (mut words, mut places) = (Vec::new(), Vec::new());
     for texture in &scene.textures {
         places.push(words.len() as u32);
@@ -53,7 +59,7 @@ pub(super) fn point_words(points: &[[f32; 3]]) -> Vec<u32> {
     points.iter().flatten().map(|c| c.to_bits()).collect()
 }
 
-pub(super) fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
+fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
     let mut words = Vec::new();
     record.put(&mut words);
     let usage = Usage::UNIFORM | Usage::COPY_DST;
@@ -67,7 +73,7 @@ pub(super) fn device_chunk(
     gpu: &Gpu,
     pipelines: &Pipelines,
     control: &wgpu::Buffer,
-    data: &ChunkData,
+    data: ChunkData,
     phases: usize,
     scene_bytes: &mut u64,
 ) -> Result<DeviceChunk, GpuError> {
@@ -84,7 +90,7 @@ pub(super) fn device_chunk(
     let large = 4 + 4 * u64::from(data.quads);
     let large = gpu.empty("large quads", large, Usage::STORAGE | Usage::COPY_DST)?;
     let phases = (0..phases)
-        .map(|phase| uniform(gpu, &data.record(phase as u32, ACROSS)))
+        .map(|phase| uniform(gpu, &data.record(phase as u32)))
         .collect::<Result<Vec<_>, _>>()?;
     let shared = [
         (0, &phases[0]),
@@ -130,7 +136,7 @@ pub(super) fn device_chunk(
         },
         sides: pipelines.sides.bind(gpu, &side_bindings),
         inside: pipelines.inside.bind(gpu, &inside_bindings),
-        named: data.named.clone(),
+        named: data.named,
         points,
         large,
         uvs,

@@ -13,6 +13,8 @@ pub(super) struct Drawn {
     pub(super) size: ScreenSize,
     pub(super) mode: ShadeMode,
     pub(super) background: [u8; 4],
+    /// Degrees by which the lights are turned.
+    pub(super) light_turn: f64,
     pub(super) id_bits: u32,
 }
 
@@ -25,13 +27,13 @@ fn offsets(samples: u32) -> [[i32; 4]; 8] {
     out
 }
 
-/// What a picture in a view is, for a band of rows.
-pub(super) fn frame_record(scene: &Drawn, view: &View, rows: [u32; 2]) -> Frame {
+/// What a picture in a view is, all rows of it.
+pub(super) fn frame_record(scene: &Drawn, view: &View) -> Frame {
     let four = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
     let p = &view.projection;
     let shader = Shader::new(scene.mode, view, &[], &[]);
     let [ray_x, ray_y, ray_0] = shader.rays();
-    let (lights, [wrap, gloss, rise, knee]) = LightRig::new(view).numbers();
+    let (lights, [wrap, gloss, rise, knee]) = LightRig::turned(view, scene.light_turn).numbers();
     let [
         key,
         fill,
@@ -74,16 +76,9 @@ pub(super) fn frame_record(scene: &Drawn, view: &View, rows: [u32; 2]) -> Frame 
         width: scene.size.width,
         height: scene.size.height,
         samples: scene.size.samples,
-        mode: match scene.mode {
-            ShadeMode::Lit => 0,
-            ShadeMode::Flat => 1,
-            ShadeMode::Normals => 2,
-            ShadeMode::Uv => 3,
-            ShadeMode::Depth => 4,
-            ShadeMode::Level => 5,
-        },
-        band_start: rows[0],
-        band_end: rows[1],
+        mode: scene.mode as u32,
+        band_start: 0,
+        band_end: scene.size.height,
         srgb: u32::from(scene.mode.encoding() == Encoding::Srgb),
         id_bits: scene.id_bits,
     }

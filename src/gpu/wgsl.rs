@@ -1,5 +1,13 @@
-//! Sources of the device's stages. Each is `records.wgsl`, which holds the shared structures, followed by what it shares with others and
-//! by its own file.
+//! Sources of the device's stages. Each is the numbers that both sides know, `records.wgsl`, which holds the shared structures, what it shares
+//! with others and its own file.
+
+use super::records::POINT_FLOATS;
+use crate::raster::GUARD_BAND;
+use crate::records::BLOCK_POINTS;
+use crate::scheme::INFINITE_SHARPNESS;
+use crate::shade::{LEVEL_COLORS, ShadeMode};
+use crate::topology::NONE;
+use std::fmt::Write;
 
 /// A stage's source, by its name.
 #[derive(Clone, Debug)]
@@ -10,6 +18,16 @@ pub struct Source {
     pub text: String,
 }
 
+/// Workgroups along x of a dispatch; more go into further rows.
+pub(super) const ACROSS: u32 = 32768;
+/// Invocations of a workgroup.
+pub(super) const GROUP: u32 = 64;
+/// Parts of one buffer begin at multiples of this many words.
+pub(super) const ALIGN: u32 = 64;
+/// Micro-quads along a side of the largest block, as a power of two.
+pub(super) const BLOCK_BITS: u32 = (BLOCK_POINTS as u32 - 1).ilog2();
+
+const INDEX: &str = include_str!("wgsl/index.wgsl");
 const RECORDS: &str = include_str!("wgsl/records.wgsl");
 const SCREEN: &str = include_str!("wgsl/screen.wgsl");
 const WIDE: &str = include_str!("wgsl/wide.wgsl");
@@ -30,13 +48,46 @@ fn keys(keys: Keys) -> &'static str {
     }
 }
 
+/// Numbers that both sides know, from where the processor has them.
+fn numbers() -> String {
+    let mut out = String::new();
+    for (name, value) in [
+        ("ACROSS", ACROSS),
+        ("GROUP", GROUP),
+        ("ALIGN", ALIGN),
+        ("NONE", NONE),
+        ("POINT_FLOATS", POINT_FLOATS),
+        ("BLOCK_SIDE", BLOCK_POINTS as u32),
+        ("BLOCK_BITS", BLOCK_BITS),
+        ("LEVEL_COUNT", LEVEL_COLORS.len() as u32),
+        ("LIT", ShadeMode::Lit as u32),
+        ("FLAT", ShadeMode::Flat as u32),
+        ("NORMALS", ShadeMode::Normals as u32),
+        ("UV", ShadeMode::Uv as u32),
+        ("DEPTH", ShadeMode::Depth as u32),
+    ] {
+        let _ = writeln!(out, "const {name} = {value}u;");
+    }
+    for (name, value) in [
+        ("GUARD_BAND", GUARD_BAND as f32),
+        ("SMALLEST", f32::MIN_POSITIVE),
+        ("INFINITE", INFINITE_SHARPNESS),
+    ] {
+        let _ = writeln!(out, "const {name} = {value:?}f;");
+    }
+    let colors = LEVEL_COLORS.map(|[r, g, b]| format!("vec3<f32>({r:?}f, {g:?}f, {b:?}f)"));
+    let colors = colors.join(", ");
+    let _ = writeln!(
+        out,
+        "const LEVEL_COLORS = array<vec3<f32>, LEVEL_COUNT>({colors});"
+    );
+    out
+}
+
 fn source(name: &'static str, parts: &[&str]) -> Source {
     Source {
         name,
-        text: std::iter::once(RECORDS)
-            .chain(parts.iter().copied())
-            .collect::<Vec<_>>()
-            .join("\n"),
+        text: [&[&*numbers(), INDEX, RECORDS], parts].concat().join("\n"),
     }
 }
 

@@ -51,7 +51,7 @@ impl ShadeMode {
 }
 
 /// Colours of levels 0, 1, 2…, repeated after the last. Neighbours differ in hue and in brightness.
-const LEVEL_COLORS: [[f32; 3]; 11] = [
+pub(crate) const LEVEL_COLORS: [[f32; 3]; 11] = [
     [0.62, 0.62, 0.65],
     [0.26, 0.36, 0.75],
     [0.20, 0.62, 0.86],

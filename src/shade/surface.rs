@@ -127,6 +127,12 @@ impl SurfaceMaterial {
         ..Self::CLAY
     };
 
+    /// Whether it is too transparent to be drawn at all: what is drawn is opaque.
+    #[must_use]
+    pub(crate) fn is_clear(&self) -> bool {
+        self.opacity < 0.5
+    }
+
     /// A material from the values of an MTL file: `Kd` as sRGB from 0 to 1, `d`, and indices of the loaded maps. A black `Kd`
     /// under a map counts as white: many exporters write it so and mean the map.
     #[must_use]

@@ -75,6 +75,17 @@ fn suites_with_their_own_work_take_no_model() {
     assert_eq!(code(&out), 2);
 }
 
+/// They would measure the processor and say nothing of it.
+#[test]
+fn suites_of_the_processor_refuse_a_gpu() {
+    for suite in ["refine", "patches", "evaluate", "paper", "scale", "raster"] {
+        let out = run(&["bench", suite, "--backend", "gpu"]);
+        assert_eq!(code(&out), 2, "{suite}");
+        let message = stderr(&out);
+        assert!(message.contains("bench frame, cold and gpu"), "{message}");
+    }
+}
+
 #[test]
 fn cold_starts_processes_of_its_own() {
     let model = asset("cube.obj");

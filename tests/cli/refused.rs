@@ -52,6 +52,16 @@ const REFUSED: &[(&[&str], i32, &str)] = &[
     ),
 ];
 
+/// Adapters are no part of a model, nor of its statistics.
+#[test]
+fn adapters_are_listed_alone() {
+    for more in [&["cube.obj"][..], &["--stats", "-"]] {
+        let out = run(&[&["info", "--gpu"][..], more].concat());
+        assert_eq!(code(&out), 2, "{more:?}");
+        assert!(stderr(&out).contains("--gpu"), "{more:?}");
+    }
+}
+
 #[test]
 fn bad_arguments_are_refused_before_any_work() {
     let folder = Folder::new("arguments");

@@ -37,7 +37,7 @@ fn software_is_refused_unless_allowed() {
         assert!(text.contains("--allow-software-gpu"), "{text}");
         assert!(!std::path::Path::new(out).exists());
     }
-    arguments.push("--allow-software-gpu");
+    arguments.extend(["--allow-software-gpu", "--verbose"]);
     let drawn = earmark(&arguments);
     assert_eq!(
         drawn.status.code(),
@@ -50,6 +50,9 @@ fn software_is_refused_unless_allowed() {
     assert_eq!(stats["read_backs"], 1);
     assert_eq!(stats["bytes_down"], 4 * 128 * 96);
     assert!(stats["bytes_up"].as_u64().unwrap() > 0);
+    // Said of it is the level that it was drawn at.
+    let said = String::from_utf8_lossy(&drawn.stderr);
+    assert!(said.contains("levels [2]"), "{said}");
     // What it cannot draw it does not draw otherwise.
     arguments.extend(["--surface", "cage"]);
     let refused = earmark(&arguments);
@@ -63,4 +66,40 @@ fn software_is_refused_unless_allowed() {
             .any(|a| a["name"] == gpu.adapter().name.as_str())
     );
     println!("gpu program: 4 cases");
+}
+
+#[test]
+fn benchmarks_of_frames_run_on_the_device() {
+    let Some(gpu) = crate::gpu("benchmark") else {
+        return;
+    };
+    let out = earmark(&[
+        "bench",
+        "frame",
+        "assets/cube.obj",
+        "--json",
+        "--repeat",
+        "2",
+        "-s",
+        "64x64",
+        "-l",
+        "3",
+        "--backend",
+        "gpu",
+        "--allow-software-gpu",
+    ]);
+    let said = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(0), "{said}");
+    let report: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    let names: Vec<&str> = rows.iter().map(|r| r["stage"].as_str().unwrap()).collect();
+    let timed = gpu.adapter().timestamps;
+    let all = ["total", "dice", "tile", "shade", "film"];
+    assert_eq!(names, all[..if timed { 5 } else { 1 }]);
+    assert_eq!(rows[0]["items"], 6 * 64 * 2);
+    assert!(
+        rows.iter()
+            .all(|r| r["wall_ms_min"].as_f64().unwrap() > 0.0)
+    );
+    println!("gpu benchmark: 1 case");
 }

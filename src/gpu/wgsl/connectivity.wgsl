@@ -23,9 +23,9 @@ fn outer(h: u32, end: u32) -> u32 {
     return halves() + 2u * edges[h] + end;
 }
 
-// Parts of a buffer begin at multiples of 64 words.
+// Parts of a buffer begin at multiples of this.
 fn aligned(count: u32) -> u32 {
-    return (count + 63u) & ~63u;
+    return (count + ALIGN - 1u) & ~(ALIGN - 1u);
 }
 
 fn put_half(corner: u32, v: u32, e: u32, twin: u32) {
@@ -35,7 +35,7 @@ fn put_half(corner: u32, v: u32, e: u32, twin: u32) {
     child_halves[2u * all + corner] = e;
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn halves_pass(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let h = own_index(group, lane);
     if h >= halves() {
@@ -63,7 +63,7 @@ fn half_at_end(h: u32, end: u32) -> u32 {
 }
 
 // One invocation per half-edge and per end of an edge of the parent.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn edges_pass(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let k = own_index(group, lane);
     let inner = halves();
@@ -88,7 +88,7 @@ fn edges_pass(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     child_rest[sharp + k] = bitcast<u32>(decay(edge_sharpness(e)));
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn vertices_pass(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let v = own_index(group, lane);
     let count = step.vertices + step.faces + step.edges;

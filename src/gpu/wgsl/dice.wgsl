@@ -67,7 +67,7 @@ fn normalize_or_zero(v: vec3<f32>) -> vec3<f32> {
 }
 
 fn put(at: u32, p: vec3<f32>, n: vec3<f32>) {
-    let k = 6u * at;
+    let k = POINT_FLOATS * at;
     points[k] = p.x;
     points[k + 1u] = p.y;
     points[k + 2u] = p.z;
@@ -78,13 +78,13 @@ fn put(at: u32, p: vec3<f32>, n: vec3<f32>) {
 
 fn copy(from_at: u32, to: u32) {
     for (var k = 0u; k < 6u; k++) {
-        points[6u * to + k] = points[6u * from_at + k];
+        points[POINT_FLOATS * to + k] = points[POINT_FLOATS * from_at + k];
     }
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn sides(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let at = (group.y * chunk.groups + group.x) * 64u + lane;
+    let at = own_index(group, lane);
     if at >= chunk.spots {
         return;
     }
@@ -140,7 +140,7 @@ struct Sample {
 }
 
 fn sample_at(at: u32) -> Sample {
-    let k = 6u * at;
+    let k = POINT_FLOATS * at;
     return Sample(
         vec3<f32>(points[k], points[k + 1u], points[k + 2u]),
         vec3<f32>(points[k + 3u], points[k + 4u], points[k + 5u]));
@@ -211,16 +211,16 @@ fn color(face: Face, place: u32) -> vec3<f32> {
     return c;
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let number = group.y * chunk.groups + group.x;
+    let number = own_group(group);
     if number >= chunk.blocks {
         return;
     }
     let block = blocks[number];
     let face = faces[block.face];
     let side = (1u << block.log) + 1u;
-    for (var at = lane; at < side * side; at += 64u) {
+    for (var at = lane; at < side * side; at += GROUP) {
         var x = block.start_x + (at % side) * block.step;
         var y = block.start_y + (at / side) * block.step;
         for (var m = 0u; m < block.move_count; m++) {

@@ -1,6 +1,6 @@
 // Edge points: smooth, the middle of a sharp edge, or in between where sharpness runs out. Face points are there already.
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn edge(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let e = own_index(group, lane);
     if e >= step.edges {

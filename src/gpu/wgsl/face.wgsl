@@ -1,6 +1,6 @@
 // Face points: the centroid of the corners.
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn face(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let f = own_index(group, lane);
     if f >= step.faces {

@@ -1,10 +1,9 @@
 // Colours into bytes: the mean of the samples over the background, encoded (src/film).
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> chunk: Chunk;
-@group(0) @binding(2) var<storage, read> sums: array<vec4<f32>>;
-// The whole picture, a word per pixel.
-@group(0) @binding(3) var<storage, read_write> image: array<u32>;
+@group(0) @binding(1) var<storage, read> sums: array<vec4<f32>>;
+// The band of rows, a word per pixel.
+@group(0) @binding(2) var<storage, read_write> image: array<u32>;
 
 fn encode(linear: f32) -> u32 {
     let x = clamp(linear, 0.0, 1.0);
@@ -16,9 +15,9 @@ fn encode(linear: f32) -> u32 {
     return u32(select(high, low, x <= 0.0031308) * 255.0 + 0.5);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let pixel = (group.y * chunk.groups + group.x) * 64u + lane;
+    let pixel = own_index(group, lane);
     let rows = frame.band_end - frame.band_start;
     if pixel >= frame.width * rows {
         return;
@@ -32,5 +31,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let alpha = u32(min(over.w, 1.0) * 255.0 + 0.5);
         bytes = encode(rgb.x) | (encode(rgb.y) << 8u) | (encode(rgb.z) << 16u) | (alpha << 24u);
     }
-    image[frame.band_start * frame.width + pixel] = bytes;
+    image[pixel] = bytes;
 }

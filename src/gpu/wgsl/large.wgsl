@@ -32,7 +32,7 @@ fn triangle(a: Vertex, m: Vertex, c: Vertex, id: u32, lane: u32) {
         return;
     }
     let inverse = 1.0 / area;
-    for (var k = lane; k < count; k += 64u) {
+    for (var k = lane; k < count; k += GROUP) {
         let x = x0 + i32(k % across);
         let y = y0 + i32(k / across);
         let pixel = u32(y - i32(frame.band_start)) * frame.width + u32(x);
@@ -67,7 +67,7 @@ fn edge(d: vec2<i32>, a: vec2<i32>, p: vec2<i32>) -> i32 {
 }
 
 fn point(at: u32) -> vec3<f32> {
-    return vec3<f32>(points[6u * at], points[6u * at + 1u], points[6u * at + 2u]);
+    return vec3<f32>(points[POINT_FLOATS * at], points[POINT_FLOATS * at + 1u], points[POINT_FLOATS * at + 2u]);
 }
 
 fn draw(a: u32, m: u32, c: u32, id: u32, lane: u32) {
@@ -84,7 +84,7 @@ fn draw(a: u32, m: u32, c: u32, id: u32, lane: u32) {
     }
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -93,9 +93,10 @@ fn main(
     let count = min(large[0], chunk.large);
     for (var k = group.x; k < count; k += groups.x) {
         let entry = large[1u + k];
-        let number = entry >> 10u;
-        let line = (entry >> 5u) & 31u;
-        let col = entry & 31u;
+        let mask = (1u << BLOCK_BITS) - 1u;
+        let number = entry >> (2u * BLOCK_BITS);
+        let line = (entry >> BLOCK_BITS) & mask;
+        let col = entry & mask;
         let side = (1u << blocks[number].log) + 1u;
         let at = blocks[number].base + line * side + col;
         let rank = chunk.first_rank + number;

@@ -10,9 +10,6 @@
 @group(0) @binding(5) var<storage, read> firsts: array<u32>;
 @group(0) @binding(6) var<storage, read> sharpness: array<f32>;
 
-const NONE = 0xffffffffu;
-const INFINITE = 10.0;
-
 fn next(h: u32) -> u32 {
     return (h & ~3u) | ((h + 1u) & 3u);
 }
@@ -36,8 +33,4 @@ fn edge_sharpness(e: u32) -> f32 {
 
 fn vertex_sharpness(v: u32) -> f32 {
     return sharpness[step.edges + v];
-}
-
-fn own_index(group: vec3<u32>, lane: u32) -> u32 {
-    return (group.y * step.groups + group.x) * 64u + lane;
 }

@@ -40,10 +40,10 @@ struct Chunk {
     blocks: u32,
     spots: u32,
     phase: u32,
-    groups: u32,
     triangles: u32,
     large: u32,
     patches: u32,
+    padding: u32,
 }
 
 struct Stencil {
@@ -87,8 +87,7 @@ struct Block {
     moves: u32,
     move_count: u32,
     level: u32,
-    first_quad: u32,
-    padding: vec2<u32>,
+    padding: array<u32, 3>,
 }
 
 struct Move {
@@ -108,5 +107,5 @@ struct Step {
     vertices: u32,
     edges: u32,
     faces: u32,
-    groups: u32,
+    padding: u32,
 }

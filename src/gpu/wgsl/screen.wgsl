@@ -1,8 +1,5 @@
 // Projection and snapping, in the processor's order of operations (src/raster/project.rs), and sample places.
 
-const GUARD_BAND = 4194304.0;
-const SMALLEST = 1.17549435e-38;
-
 struct Vertex {
     x: i32,
     y: i32,

@@ -17,17 +17,6 @@
 
 @group(0) @binding(10) var<storage, read> colors: array<f32>;
 
-const LIT = 0u;
-const FLAT = 1u;
-const NORMALS = 2u;
-const UV = 3u;
-const DEPTH = 4u;
-
-const LEVEL_COLORS = array<vec3<f32>, 11>(
-    vec3<f32>(0.62, 0.62, 0.65), vec3<f32>(0.26, 0.36, 0.75), vec3<f32>(0.20, 0.62, 0.86), vec3<f32>(0.16, 0.58, 0.48),
-    vec3<f32>(0.45, 0.76, 0.30), vec3<f32>(0.93, 0.82, 0.25), vec3<f32>(0.92, 0.52, 0.16), vec3<f32>(0.82, 0.25, 0.20),
-    vec3<f32>(0.90, 0.42, 0.62), vec3<f32>(0.56, 0.24, 0.60), vec3<f32>(0.45, 0.30, 0.22));
-
 struct Id {
     rank: u32,
     line: u32,
@@ -41,11 +30,11 @@ fn unpack(id: u32) -> Id {
 }
 
 fn position(at: u32) -> vec3<f32> {
-    return vec3<f32>(points[6u * at], points[6u * at + 1u], points[6u * at + 2u]);
+    return vec3<f32>(points[POINT_FLOATS * at], points[POINT_FLOATS * at + 1u], points[POINT_FLOATS * at + 2u]);
 }
 
 fn normal_at(at: u32) -> vec3<f32> {
-    return vec3<f32>(points[6u * at + 3u], points[6u * at + 4u], points[6u * at + 5u]);
+    return vec3<f32>(points[POINT_FLOATS * at + 3u], points[POINT_FLOATS * at + 4u], points[POINT_FLOATS * at + 5u]);
 }
 
 fn color_at(at: u32) -> vec3<f32> {
@@ -223,7 +212,7 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
         if frame.mode == UV {
             return vec3<f32>(uv_color(uv.x), uv_color(uv.y), 0.0);
         }
-        if material.map != 0xffffffffu {
+        if material.map != NONE {
             let side = at.w.x * footprint(block.base, side_len, id.col, id.line)
                 + at.w.y * footprint(block.base, side_len, id.col + select(1u, 0u, id.half == 1u), id.line + select(0u, 1u, id.half == 1u))
                 + at.w.z * footprint(block.base, side_len, id.col + 1u, id.line + 1u);
@@ -263,7 +252,7 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
     let facing = abs(dot(unit(n), unit(to_eye)));
     let tone = (0.55 + 0.45 * facing) * select(1.0, 0.86, (face.number & 1u) == 1u);
     var colors = LEVEL_COLORS;
-    return colors[block.level % 11u] * tone;
+    return colors[block.level % LEVEL_COUNT] * tone;
 }
 
 fn uv_color(x: f32) -> f32 {
@@ -280,9 +269,9 @@ fn near(a: Id, b: Id, reach: u32) -> bool {
     return max(a.col, b.col) - min(a.col, b.col) <= reach && max(a.line, b.line) - min(a.line, b.line) <= reach;
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let pixel = (group.y * chunk.groups + group.x) * 64u + lane;
+    let pixel = own_index(group, lane);
     let rows = frame.band_end - frame.band_start;
     if pixel >= frame.width * rows {
         return;

@@ -5,13 +5,13 @@
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(2) var<storage, read> blocks: array<Block>;
 @group(0) @binding(3) var<storage, read> points: array<f32>;
-// Their number, then a quad each: block of the chunk above ten bits of row and column.
+// Their number, then a quad each: block of the chunk, row and column.
 @group(0) @binding(5) var<storage, read_write> large: array<atomic<u32>>;
 
 // Largest extent, 1/256 pixel, of what one invocation draws: edge values stay far below 2^31.
 const SMALL_EXTENT = 2048;
 
-var<workgroup> screen: array<Vertex, 1089>;
+var<workgroup> screen: array<Vertex, BLOCK_SIDE * BLOCK_SIDE>;
 
 fn triangle(a: Vertex, m: Vertex, c: Vertex, id: u32) {
     let low = vec2<i32>(min(a.x, min(m.x, c.x)), min(a.y, min(m.y, c.y)));
@@ -55,9 +55,9 @@ fn triangle(a: Vertex, m: Vertex, c: Vertex, id: u32) {
     }
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let number = group.y * chunk.groups + group.x;
+    let number = own_group(group);
     if number >= chunk.blocks {
         return;
     }
@@ -65,15 +65,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let base = blocks[number].base;
     let n = 1u << log;
     let side = n + 1u;
-    for (var at = lane; at < side * side; at += 64u) {
-        let k = 6u * (base + at);
+    for (var at = lane; at < side * side; at += GROUP) {
+        let k = POINT_FLOATS * (base + at);
         screen[at] = project(vec3<f32>(points[k], points[k + 1u], points[k + 2u]));
     }
     workgroupBarrier();
     let right = i32(frame.width) * 256;
     let top = i32(frame.band_start) * 256;
     let bottom = i32(frame.band_end) * 256;
-    for (var q = lane; q < n * n; q += 64u) {
+    for (var q = lane; q < n * n; q += GROUP) {
         let col = q & (n - 1u);
         let line = q >> log;
         let k = line * side + col;
@@ -92,7 +92,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             if chunk.phase == 0u {
                 let slot = atomicAdd(&large[0], 1u);
                 if slot < chunk.large {
-                    atomicStore(&large[1u + slot], (number << 10u) | (line << 5u) | col);
+                    atomicStore(&large[1u + slot], (((number << BLOCK_BITS) | line) << BLOCK_BITS) | col);
                 }
             }
             continue;

@@ -9,7 +9,7 @@ fn rule(sigma: f32, sharp: u32) -> u32 {
     return select(min(sharp, CORNER), CORNER, sigma > 0.0);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn vertex(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let v = own_index(group, lane);
     if v >= step.vertices {
