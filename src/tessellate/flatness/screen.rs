@@ -9,7 +9,7 @@ use crate::tessellate::Reach;
 /// sides, and a moved point stretches a triangle (measured: 0.62 leaves a fifth, 0.75 goes beyond the tolerance where blocks are small).
 const SHARE: f32 = 0.66;
 /// The same of the tolerance of normals.
-const NORMAL_SHARE: f32 = 0.85;
+const NORMAL_SHARE: f32 = 0.75;
 
 /// Measures distances as a view sees them.
 #[derive(Clone, Copy, Debug)]

@@ -15,7 +15,7 @@ const LEFT: f32 = 0.4;
 
 /// What is smaller, in pixels, has no normals of its own to be seen. Moved points make two cells one triangle, which should not be above a
 /// pixel then.
-const DOT: f32 = 0.6;
+const DOT: f32 = 0.45;
 
 /// By how much more than two steps the later ones may add at an irregular corner.
 const UNEVEN: f32 = 1.3;
@@ -51,7 +51,44 @@ pub(super) struct Surplus {
     /// Distances, and distances of normals, by what is allowed; and lengths of the edges in pixels.
     found: [Vec<f32>; 3],
     /// What step `k` adds to each of the `2^k` by `2^k` cells, step by step.
-    cells: Vec<f32>,
+    cells: Vec<Added>,
+}
+
+/// What a step adds to a cell or segment.
+#[derive(Clone, Copy, Debug, Default)]
+struct Added {
+    /// Distance, and that of normals, by what is allowed.
+    far: f32,
+    bend: f32,
+    /// The longest edge, in pixels.
+    length: f32,
+}
+
+impl Added {
+    fn max(self, o: Self) -> Self {
+        Self {
+            far: self.far.max(o.far),
+            bend: self.bend.max(o.bend),
+            length: self.length.max(o.length),
+        }
+    }
+
+    /// The larger of distance and bend, of triangles as long as `length`.
+    fn of(self, length: f32) -> f32 {
+        match length > DOT {
+            true => self.far.max(self.bend),
+            false => self.far,
+        }
+    }
+
+    /// Whether triangles are too far that lack this step and the one below, which adds `next` to the parts; later ones add `more` times as
+    /// much as is to be expected.
+    fn is_far(self, next: Self, more: f32) -> bool {
+        // Normals between the samples count as long as the triangles do, however small their parts are.
+        let below = |own: f32, next: f32| more * (0.5 * own + next) > 1.0;
+        let bent = self.length > DOT && below(self.bend, next.bend);
+        self.of(self.length) > 1.0 || below(self.far, next.far) || bent
+    }
 }
 
 /// Where the cells of step `k` begin.
@@ -106,7 +143,7 @@ impl Surplus {
             .iter_mut()
             .for_each(|f| f.resize(BEFORE[MAX_LOG as usize], 0.0));
         let cells = first_cell(log).max(self.cells.len());
-        self.cells.resize(cells, 0.0);
+        self.cells.resize(cells, Added::default());
         dispatch!(self.simd, self.steps(metric, points, normals));
         if shape == Shape::Triangle {
             self.halve();
@@ -145,8 +182,7 @@ impl Surplus {
                 let far = most(fa[x], fb[x], fc[x], fd[x], fe[x]);
                 let bend = most(ba[x], bb[x], bc[x], bd[x], be[x]);
                 let length = most(la[x], lb[x], lc[x], ld[x], le[x]);
-                // As in `worst`.
-                out[x] = if length > DOT { far.max(bend) } else { far };
+                out[x] = Added { far, bend, length };
             }
         }
     }
@@ -220,20 +256,19 @@ impl Surplus {
         }
     }
 
-    /// What a set of edges adds: distances, or also of normals unless all edges are dots.
-    fn worst(&self, edges: impl Iterator<Item = usize>) -> f32 {
+    /// What a set of edges adds.
+    fn worst(&self, edges: impl Iterator<Item = usize>) -> Added {
         let [far, bend, length] = &self.found;
-        let (mut f, mut b, mut l) = (0.0_f32, 0.0_f32, 0.0_f32);
-        for k in edges {
-            f = f.max(far[k]);
-            b = b.max(bend[k]);
-            l = l.max(length[k]);
-        }
-        if l > DOT { f.max(b) } else { f }
+        let edge = |k: usize| Added {
+            far: far[k],
+            bend: bend[k],
+            length: length[k],
+        };
+        edges.map(edge).fold(Added::default(), Added::max)
     }
 
     /// What step `k` adds to segment `i` of the `2^k` of a line.
-    fn of_segment(&self, k: u32, i: usize) -> f32 {
+    fn of_segment(&self, k: u32, i: usize) -> Added {
         self.worst(std::iter::once((1 << k) - 1 + i))
     }
 
@@ -245,13 +280,13 @@ impl Surplus {
         let own = self.of_segment(k, i);
         let next = match k + 1 < self.log {
             true => [0, 1].map(|c| self.of_segment(k + 1, 2 * i + c)),
-            false => [0.0; 2],
+            false => <[Added; 2]>::default(),
         };
-        Some(own > 1.0 || 0.5 * own + next[0].max(next[1]) > 1.0)
+        Some(own.is_far(next[0].max(next[1]), 1.0))
     }
 
     /// What step `k` adds to cell (`x`, `y`) of the `2^k` by `2^k` of a square.
-    fn of_cell(&self, k: u32, [x, y]: [u32; 2]) -> f32 {
+    fn of_cell(&self, k: u32, [x, y]: [u32; 2]) -> Added {
         self.cells[first_cell(k) + ((y as usize) << k) + x as usize]
     }
 
@@ -262,7 +297,8 @@ impl Surplus {
         };
         let cells = (0..1_u32 << (2 * k)).map(|c| [c & ((1 << k) - 1), c >> k]);
         let cells = cells.filter(|[x, y]| square.shape == Shape::Square || y <= x);
-        let mut left = cells.fold(0.0_f32, |m, c| m.max(self.of_cell(k, c)));
+        let added = cells.map(|c| self.of_cell(k, c));
+        let mut left = added.fold(0.0_f32, |m, a| m.max(a.of(a.length)));
         let mut log = self.log;
         while left > 1.0 && log < MAX_LOG {
             (left, log) = (left * 0.25, log + 1);
@@ -280,26 +316,31 @@ impl Surplus {
                 true => 1.0,
                 false => LEFT,
             };
-            return k > 0 && self.of_cell(k - 1, at.map(|c| c / 2)) * left > 1.0;
+            if k == 0 {
+                return false;
+            }
+            // Where normals turn fast, a step may add nothing by chance: those beside it add something.
+            let near = |c: u32| (c / 2).saturating_sub(1)..=(c / 2 + 1).min((1 << (k - 1)) - 1);
+            let cells = near(at[1]).flat_map(|y| near(at[0]).map(move |x| [x, y]));
+            let cells = cells.filter(|[x, y]| shape == Shape::Square || y <= x);
+            let added = cells.map(|c| self.of_cell(k - 1, c));
+            let added = added.fold(Added::default(), Added::max);
+            let length = 0.5 * self.of_cell(k - 1, at.map(|c| c / 2)).length;
+            return added.of(length) * left > 1.0;
         }
-        let mut own = self.of_cell(k, at);
-        if own > 1.0 {
-            return true;
-        }
+        let own = self.of_cell(k, at);
         let irregular = square.is_at(square.irregular, k, at);
         if k + 1 == self.log {
-            // What the next step adds is as much again there.
-            return irregular && 2.0 * own > 1.0;
+            // What the next step adds is as much again at an irregular corner.
+            let more = if irregular { 2.0 } else { 1.0 };
+            return more * own.of(own.length) > 1.0;
         }
         let half = shape == Shape::Triangle && at[0] == at[1];
         let children = [[0, 0], [1, 0], [1, 1], [0, 1]];
         let children = children.iter().take(if half { 3 } else { 4 });
         let next = children.map(|c| self.of_cell(k + 1, [0, 1].map(|i| 2 * at[i] + c[i])));
-        let mut next = next.fold(0.0, f32::max);
-        if irregular {
-            (own, next) = (own * UNEVEN, next * UNEVEN);
-        }
-        0.5 * own + next > 1.0
+        let next = next.fold(Added::default(), Added::max);
+        own.is_far(next, if irregular { UNEVEN } else { 1.0 })
     }
 }
 
