@@ -1,6 +1,6 @@
 //! Heights from a picture.
 
-use crate::records::BLOCK_STRIDE;
+use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::texture::Texture;
 use std::ops::Range;
 
@@ -127,9 +127,23 @@ impl HeightMap {
         a + (b - a) * ty
     }
 
+    /// Heights, and slopes if wanted, at the first `heights.len()` texture coordinates.
+    #[inline(always)]
+    pub(super) fn all(&self, uvs: &Grid3, heights: &mut [f32], mut slopes: Option<&mut Grid3>) {
+        for first in (0..heights.len()).step_by(BLOCK_STRIDE) {
+            let part = first..(first + BLOCK_STRIDE).min(heights.len());
+            let (u, v) = (&uvs.x[part.clone()], &uvs.y[part.clone()]);
+            let heights = &mut heights[part.clone()];
+            match slopes.as_deref_mut() {
+                Some(s) => self.slope_line(u, v, [heights, &mut s.x[part.clone()], &mut s.y[part]]),
+                None => self.line(u, v, heights),
+            }
+        }
+    }
+
     /// Heights along a line of points, by the sums of [`HeightMap::at`].
     #[inline(always)]
-    pub(super) fn line(&self, u: &[f32], v: &[f32], out: &mut [f32]) {
+    fn line(&self, u: &[f32], v: &[f32], out: &mut [f32]) {
         let (mut across, mut down) = (Taps::NONE, Taps::NONE);
         across.find(u, [1.0, 0.0], self.width);
         down.find(v, [-1.0, 0.0], self.height);
@@ -138,7 +152,7 @@ impl HeightMap {
 
     /// The same with slopes, by those of [`HeightMap::slope`].
     #[inline(always)]
-    pub(super) fn slope_line(&self, u: &[f32], v: &[f32], out: [&mut [f32]; 3]) {
+    fn slope_line(&self, u: &[f32], v: &[f32], out: [&mut [f32]; 3]) {
         let (w, h) = (self.width as f32, self.height as f32);
         let (du, dv) = (0.5 / w, 0.5 / h);
         let [height, by_u, by_v] = out;
