@@ -318,14 +318,21 @@ fn add_values<const RIDGED: bool>(
     for i in 0..n {
         let at = [x[i] * frequency, y[i] * frequency, z[i] * frequency];
         let n = noise::perlin_value(at, seed);
-        let n = if RIDGED { ridge([n, 0.0, 0.0, 0.0])[0] } else { n };
+        let n = if RIDGED {
+            ridge([n, 0.0, 0.0, 0.0])[0]
+        } else {
+            n
+        };
         out[i] += n * weight;
     }
 }
 
 /// The same with gradients.
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "outputs that cannot overlap, as the compiler is to know")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "outputs that cannot overlap, as the compiler is to know"
+)]
 fn add_slopes<const RIDGED: bool>(
     at: Places<'_>,
     frequency: f32,

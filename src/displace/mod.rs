@@ -284,16 +284,32 @@ impl Displacement {
         heights: &Heights,
         out: &mut Grid3,
     ) {
-        let Limit { normals, jets, by, .. } = *limit;
+        let Limit {
+            normals, jets, by, ..
+        } = *limit;
         let (n, values) = (padded(count), &heights.values[..]);
         match &self.kind {
             Kind::Function(_) => {
-                let slopes = Slopes::<false> { scale: self.scale, by, of: &heights.slopes };
-                dispatch!(simd, normal_lanes(n, jets, normals, values, slopes, directions, out));
+                let slopes = Slopes::<false> {
+                    scale: self.scale,
+                    by,
+                    of: &heights.slopes,
+                };
+                dispatch!(
+                    simd,
+                    normal_lanes(n, jets, normals, values, slopes, directions, out)
+                );
             }
             Kind::Map(_) => {
-                let slopes = Slopes::<true> { scale: self.scale, by, of: &heights.slopes };
-                dispatch!(simd, normal_lanes(n, jets, normals, values, slopes, directions, out));
+                let slopes = Slopes::<true> {
+                    scale: self.scale,
+                    by,
+                    of: &heights.slopes,
+                };
+                dispatch!(
+                    simd,
+                    normal_lanes(n, jets, normals, values, slopes, directions, out)
+                );
             }
             Kind::Vector { .. } => {
                 for k in 0..count {
@@ -413,8 +429,7 @@ fn normal_lanes<const MAP: bool>(
             by_function([bend.du, bend.dv], slope, scale)
         };
         let found = bend.displaced(normal, heights[i], slope);
-        let held =
-            (directions.x[i] == 0.0) & (directions.y[i] == 0.0) & (directions.z[i] == 0.0);
+        let held = (directions.x[i] == 0.0) & (directions.y[i] == 0.0) & (directions.z[i] == 0.0);
         out.x[i] = if held { normal[0] } else { found[0] };
         out.y[i] = if held { normal[1] } else { found[1] };
         out.z[i] = if held { normal[2] } else { found[2] };
@@ -456,10 +471,7 @@ impl Jets {
     /// Those of texture coordinates.
     #[inline(always)]
     pub(crate) fn first_two(&self, k: usize) -> [[f32; 2]; 2] {
-        [
-            [self.du.x[k], self.du.y[k]],
-            [self.dv.x[k], self.dv.y[k]],
-        ]
+        [[self.du.x[k], self.du.y[k]], [self.dv.x[k], self.dv.y[k]]]
     }
 }
 

@@ -199,8 +199,9 @@ impl Jets {
         mut at: usize,
     ) {
         let (mut line, mut count) = ([0.0; BLOCK_STRIDE], 0);
-        let is_refined =
-            |below: &&TreeChannel<'_>| DescendTriangles::at(*below, 0).is_some_and(|r| r.first_child(face).is_some());
+        let is_refined = |below: &&TreeChannel<'_>| {
+            DescendTriangles::at(*below, 0).is_some_and(|r| r.first_child(face).is_some())
+        };
         let Some(below) = below.filter(is_refined) else {
             for (out, u) in line.iter_mut().zip(us) {
                 *out = u;

@@ -87,7 +87,13 @@ impl DisplacedPatch {
         work: &mut Work,
     ) {
         let displacement = &on.displacement;
-        self.derivatives(surface, (part, layout), &work.limits, &work.uvs, &mut work.rows);
+        self.derivatives(
+            surface,
+            (part, layout),
+            &work.limits,
+            &work.uvs,
+            &mut work.rows,
+        );
         let Work {
             limits,
             normals: limit_normals,

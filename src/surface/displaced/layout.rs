@@ -27,7 +27,11 @@ impl Layout {
 
     /// Columns of row `j`.
     pub(super) fn columns(self, j: usize) -> Range<usize> {
-        if self.half { j..self.side } else { 0..self.side }
+        if self.half {
+            j..self.side
+        } else {
+            0..self.side
+        }
     }
 
     /// Place of the first point of row `j`.
@@ -60,8 +64,8 @@ impl Layout {
         ] {
             for j in self.rows() {
                 let columns = self.columns(j);
-                let row = &from[j * BLOCK_STRIDE..][columns];
-                to[self.first(j)..][..row.len()].copy_from_slice(row);
+                let row = &from[j * BLOCK_STRIDE + columns.start..];
+                copy(row, &mut to[self.first(j)..], columns.len());
             }
             to[count..end].fill(0.0);
         }
@@ -76,12 +80,22 @@ impl Layout {
         ] {
             for j in self.rows() {
                 let columns = self.columns(j);
-                let row = &from[self.first(j)..][..columns.len()];
+                let row = &from[self.first(j)..];
                 let to = &mut to[j * BLOCK_STRIDE..];
                 to[..columns.start].fill(row[0]);
-                to[columns].copy_from_slice(row);
+                copy(row, &mut to[columns.start..], columns.len());
             }
         }
+    }
+}
+
+/// Copies `n` numbers, and what follows them up to a whole vector: nothing that is needed stands there yet.
+#[inline(always)]
+fn copy(from: &[f32], to: &mut [f32], n: usize) {
+    let (from, _) = from.as_chunks::<LANES>();
+    let (to, _) = to.as_chunks_mut::<LANES>();
+    for (to, from) in to.iter_mut().zip(from).take(n.div_ceil(LANES)) {
+        *to = *from;
     }
 }
 
@@ -91,7 +105,13 @@ mod tests {
 
     #[test]
     fn places_follow_each_other_and_come_back() {
-        for (segments, start) in [(0, [0, 0]), (1, [0, 0]), (4, [8, 8]), (32, [32, 0]), (32, [0, 0])] {
+        for (segments, start) in [
+            (0, [0, 0]),
+            (1, [0, 0]),
+            (4, [8, 8]),
+            (32, [32, 0]),
+            (32, [0, 0]),
+        ] {
             for triangle in [false, true] {
                 let part = Part {
                     level: 7,

@@ -1,6 +1,6 @@
 //! What a face's sides and corners take from elsewhere: directions at creases, texture coordinates at seams, and whose normals they have.
 
-use super::{DisplacedPatch, Displaced};
+use super::{Displaced, DisplacedPatch};
 use crate::control::Kind;
 use crate::dice::face::{Part, Sides};
 use crate::displace::mitre;

@@ -1,7 +1,7 @@
 //! Sides of a displaced face sample by sample, for who looks at edges.
 
-use super::derivatives::two;
 use super::DisplacedPatch;
+use super::derivatives::two;
 use crate::records::BLOCK_POINTS;
 use crate::surface::Surface;
 

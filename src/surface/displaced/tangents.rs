@@ -19,7 +19,11 @@ impl DisplacedPatch {
         uvs: &Grid3,
         rows: &mut Rows,
     ) {
-        let Rows { own, points: out, uvs: by } = rows;
+        let Rows {
+            own,
+            points: out,
+            uvs: by,
+        } = rows;
         let [own, own_uv] = own;
         for j in layout.rows() {
             let columns = layout.columns(j);
@@ -90,7 +94,13 @@ impl DisplacedPatch {
         layout.pack(uvs, &mut work.uvs);
         // Texture coordinates are read, whatever is displaced by.
         let has_uvs = std::mem::replace(&mut self.has_uvs, true);
-        self.derivatives(surface, (part, layout), &work.limits, &work.uvs, &mut work.rows);
+        self.derivatives(
+            surface,
+            (part, layout),
+            &work.limits,
+            &work.uvs,
+            &mut work.rows,
+        );
         self.has_uvs = has_uvs;
         let limit = work.rows.limit([&work.limits, &work.normals, &work.uvs]);
         for k in 0..layout.count() {

@@ -305,17 +305,47 @@ impl JetLines<'_> {
     fn fill(&mut self, curve: &Curve, u: &[f32], scales: [f32; 2], at: usize) {
         let part = at..at + u.len();
         let [du, dv] = &mut self.first;
-        curve.first(0, u, scales, &mut du.x[part.clone()], &mut dv.x[part.clone()]);
-        curve.first(1, u, scales, &mut du.y[part.clone()], &mut dv.y[part.clone()]);
-        curve.first(2, u, scales, &mut du.z[part.clone()], &mut dv.z[part.clone()]);
+        curve.first(
+            0,
+            u,
+            scales,
+            &mut du.x[part.clone()],
+            &mut dv.x[part.clone()],
+        );
+        curve.first(
+            1,
+            u,
+            scales,
+            &mut du.y[part.clone()],
+            &mut dv.y[part.clone()],
+        );
+        curve.first(
+            2,
+            u,
+            scales,
+            &mut du.z[part.clone()],
+            &mut dv.z[part.clone()],
+        );
         let Some([uu, uv, vv]) = &mut self.second else {
             return;
         };
-        let (a, b, c) = (&mut uu.x[part.clone()], &mut uv.x[part.clone()], &mut vv.x[part.clone()]);
+        let (a, b, c) = (
+            &mut uu.x[part.clone()],
+            &mut uv.x[part.clone()],
+            &mut vv.x[part.clone()],
+        );
         curve.second(0, u, scales, a, b, c);
-        let (a, b, c) = (&mut uu.y[part.clone()], &mut uv.y[part.clone()], &mut vv.y[part.clone()]);
+        let (a, b, c) = (
+            &mut uu.y[part.clone()],
+            &mut uv.y[part.clone()],
+            &mut vv.y[part.clone()],
+        );
         curve.second(1, u, scales, a, b, c);
-        let (a, b, c) = (&mut uu.z[part.clone()], &mut uv.z[part.clone()], &mut vv.z[part]);
+        let (a, b, c) = (
+            &mut uu.z[part.clone()],
+            &mut uv.z[part.clone()],
+            &mut vv.z[part],
+        );
         curve.second(2, u, scales, a, b, c);
     }
 }
@@ -366,7 +396,12 @@ impl TriangleEvaluator {
                     count = 1;
                     if let Place::Corner(jet, _) = corner::<ORDER>(channel, self.face, spot.slot) {
                         let zero = F4::splat(0.0);
-                        let jet = Jet { duu: zero, duv: zero, dvv: zero, ..jet };
+                        let jet = Jet {
+                            duu: zero,
+                            duv: zero,
+                            dvv: zero,
+                            ..jet
+                        };
                         out.put(at + first, &jet.scaled::<ORDER>(scale));
                     }
                 }
