@@ -4,6 +4,8 @@
 //! code and give the same bits on every machine. Gradient noise after Perlin, *Improving noise* (2002); sums of octaves after Musgrave,
 //! in Ebert et al., *Texturing and Modeling* (1998).
 
+use crate::math;
+
 /// A value and its gradient.
 pub(crate) type Slope = [f32; 4];
 
@@ -44,8 +46,7 @@ fn direction(h: u32) -> [f32; 3] {
 #[inline(always)]
 fn cell(x: f32) -> (i32, f32) {
     let x = if x.abs() < 8_388_608.0 { x } else { 0.0 };
-    let i = x as i32;
-    let i = i - i32::from((i as f32) > x);
+    let i = math::floor(x);
     (i, x - i as f32)
 }
 
