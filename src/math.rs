@@ -149,8 +149,13 @@ mod tests {
 
     #[test]
     fn floors_are_those_of_floats() {
-        let all = [0.0, -0.0, 0.5, -0.5, 1.5, -1.5, 2.5, 0.1, -0.1, 1e-30, -1e-30];
-        for x in all.into_iter().chain([8_388_607.0, 8_388_607.5, 8_388_606.5, 4_194_304.5]) {
+        let all = [
+            0.0, -0.0, 0.5, -0.5, 1.5, -1.5, 2.5, 0.1, -0.1, 1e-30, -1e-30,
+        ];
+        for x in all
+            .into_iter()
+            .chain([8_388_607.0, 8_388_607.5, 8_388_606.5, 4_194_304.5])
+        {
             for x in [x, -x, f32::next_up(x), f32::next_down(x)] {
                 if x.abs() < 8_388_608.0 {
                     assert_eq!(floor(x), x.floor() as i32, "{x}");

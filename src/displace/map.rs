@@ -3,6 +3,7 @@
 use crate::math;
 use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::texture::Texture;
+use std::hint::black_box;
 use std::ops::Range;
 
 /// A picture of heights: one number per texel, blended from the four nearest texels, without smaller levels: a displaced point must not
@@ -184,12 +185,18 @@ impl HeightMap {
         let [above, below] = &mut places;
         for i in 0..n {
             let x = across.first[i] as u32;
-            above[i] = (down.first[i] as u32).wrapping_mul(self.width).wrapping_add(x);
-            below[i] = (down.second[i] as u32).wrapping_mul(self.width).wrapping_add(x);
+            above[i] = (down.first[i] as u32)
+                .wrapping_mul(self.width)
+                .wrapping_add(x);
+            below[i] = (down.second[i] as u32)
+                .wrapping_mul(self.width)
+                .wrapping_add(x);
         }
         let mut found = [[0.0; BLOCK_STRIDE]; 4];
         let [a, b, c, d] = &mut found;
         for i in 0..n {
+            // Keeps this loop scalar: gathers under masks take several times as long.
+            black_box(());
             [a[i], b[i]] = self.pair(above[i]);
             [c[i], d[i]] = self.pair(below[i]);
             // Behind the last column comes the first.
@@ -321,10 +328,7 @@ impl HeightMap {
 /// Ranges of squares of all sizes.
 fn pyramid([width, height]: [u32; 2], texels: &[f32]) -> Vec<Ranges> {
     let mut out: Vec<Ranges> = Vec::new();
-    let (w, h) = (
-        width.div_ceil(1 << FINEST),
-        height.div_ceil(1 << FINEST),
-    );
+    let (w, h) = (width.div_ceil(1 << FINEST), height.div_ceil(1 << FINEST));
     let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
     let none = [f32::INFINITY, f32::NEG_INFINITY];
     let mut of = vec![none; w as usize * h as usize];
