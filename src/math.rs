@@ -76,6 +76,24 @@ pub fn saturate(x: f32) -> f32 {
     if x < 1.0 { x } else { 1.0 }
 }
 
+/// The integer nearest to a number from 0 to 2^23. In lanes, where `as` would go through them one by one.
+#[must_use]
+#[inline(always)]
+pub fn nearest(x: f32) -> i32 {
+    // From 2^23 to 2^24 floats are the integers.
+    const BASE: f32 = 8_388_608.0;
+    (x + BASE).to_bits() as i32 - BASE.to_bits() as i32
+}
+
+/// The integer below a number of a magnitude below 2^23.
+#[must_use]
+#[inline(always)]
+pub fn floor(x: f32) -> i32 {
+    let i = nearest(x.abs());
+    let i = if x < 0.0 { -i } else { i };
+    i - i32::from((i as f32) > x)
+}
+
 /// Binary logarithm of a positive normal number, within 0.01, from the bits and a parabola: the same on every machine, and a
 /// tenth of the cost of an exact one. Zero, subnormal and negative numbers give the value at the smallest normal number.
 #[must_use]
@@ -127,6 +145,29 @@ mod tests {
         }
         assert_eq!(positive(f32::NAN), 0.0);
         assert_eq!(positive(3.0), 3.0);
+    }
+
+    #[test]
+    fn floors_are_those_of_floats() {
+        let all = [
+            0.0, -0.0, 0.5, -0.5, 1.5, -1.5, 2.5, 0.1, -0.1, 1e-30, -1e-30,
+        ];
+        for x in all
+            .into_iter()
+            .chain([8_388_607.0, 8_388_607.5, 8_388_606.5, 4_194_304.5])
+        {
+            for x in [x, -x, f32::next_up(x), f32::next_down(x)] {
+                if x.abs() < 8_388_608.0 {
+                    assert_eq!(floor(x), x.floor() as i32, "{x}");
+                }
+            }
+        }
+        for k in 0..200_000_u32 {
+            let x = f32::from_bits(k.wrapping_mul(0x9e37_79b9));
+            if x.abs() < 8_388_608.0 {
+                assert_eq!(floor(x), x.floor() as i32, "{x}");
+            }
+        }
     }
 
     #[test]

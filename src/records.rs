@@ -63,15 +63,6 @@ impl Grid3 {
         self.y[k] = p[1];
         self.z[k] = p[2];
     }
-    /// Takes over the rows of a block.
-    pub(crate) fn copy_rows(&mut self, from: &Self, size: BlockSize) {
-        for j in 0..size.rows {
-            let row = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
-            self.x[row.clone()].copy_from_slice(&from.x[row.clone()]);
-            self.y[row.clone()].copy_from_slice(&from.y[row.clone()]);
-            self.z[row.clone()].copy_from_slice(&from.z[row]);
-        }
-    }
 }
 
 /// Size of a block in points.

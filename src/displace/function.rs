@@ -2,7 +2,7 @@
 
 use super::noise::{self, Slope};
 use crate::dispatch;
-use crate::records::{BLOCK_STRIDE, BlockSize, Grid3};
+use crate::records::Grid3;
 use crate::simd::Level;
 
 /// What a [`Function`] computes.
@@ -197,131 +197,164 @@ impl Function {
         })
     }
 
-    /// Heights, and gradients if wanted, of the points of a grid.
-    pub(crate) fn grid(
+    /// Heights, and gradients if wanted, of the first `heights.len()` points of the component arrays.
+    pub(crate) fn all(
         &self,
         simd: Level,
         points: &Grid3,
-        size: BlockSize,
         heights: &mut [f32],
-        slopes: Option<&mut Grid3>,
+        mut slopes: Option<&mut Grid3>,
     ) {
-        match slopes {
-            Some(slopes) => dispatch!(simd, self.rows(points, size, heights, slopes)),
-            None => dispatch!(simd, self.value_rows(points, size, heights)),
-        }
-    }
-
-    /// Heights alone: those of [`Function::rows`], bit for bit.
-    #[inline(always)]
-    fn value_rows(&self, points: &Grid3, size: BlockSize, heights: &mut [f32]) {
-        for j in 0..size.rows {
-            let at = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
-            let (x, y, z) = (
-                &points.x[at.clone()],
-                &points.y[at.clone()],
-                &points.z[at.clone()],
-            );
-            let mut out = [0.0; BLOCK_STRIDE];
-            let out = &mut out[..x.len()];
-            let (y, z) = (&y[..x.len()], &z[..x.len()]);
-            if self.shape == Shape::Ripples || self.time != 0.0 {
-                for i in 0..x.len() {
-                    out[i] = self.slope([x[i], y[i], z[i]])[0];
+        for first in (0..heights.len()).step_by(CHUNK) {
+            let part = first..(first + CHUNK).min(heights.len());
+            let at = Places {
+                x: &points.x[part.clone()],
+                y: &points.y[part.clone()],
+                z: &points.z[part.clone()],
+            };
+            let heights = &mut heights[part.clone()];
+            match slopes.as_deref_mut() {
+                Some(s) => {
+                    let out = Slopes {
+                        h: heights,
+                        x: &mut s.x[part.clone()],
+                        y: &mut s.y[part.clone()],
+                        z: &mut s.z[part],
+                    };
+                    dispatch!(simd, self.slopes(at, out));
                 }
-            } else {
-                let (mut frequency, mut weight) = (self.frequency, 1.0);
-                let mut count = 1;
-                if self.shape != Shape::Perlin {
-                    (count, weight) = (self.octaves, 1.0 / self.weights());
-                }
-                let ridged = self.shape == Shape::Ridged;
-                for k in 0..count {
-                    let seed = self.seed.wrapping_add(k);
-                    for i in 0..x.len() {
-                        let at = [x[i] * frequency, y[i] * frequency, z[i] * frequency];
-                        let n = noise::perlin_value(at, seed);
-                        // As `ridge`.
-                        let sign = if n < 0.0 { -1.0 } else { 1.0 };
-                        let rest = (1.0 - n * sign).max(0.0);
-                        let n = if ridged { 2.0 * rest * rest - 1.0 } else { n };
-                        out[i] += n * weight;
-                    }
-                    frequency *= self.lacunarity;
-                    weight *= self.gain;
-                }
+                None => dispatch!(simd, self.values(at, heights)),
             }
-            heights[at].copy_from_slice(out);
         }
     }
 
+    /// Number of octaves that are summed up, and the weight of the first.
+    fn sums(&self) -> (u32, f32) {
+        match self.shape {
+            Shape::Perlin | Shape::Ripples => (1, 1.0),
+            Shape::Fbm | Shape::Ridged => (self.octaves, 1.0 / self.weights()),
+        }
+    }
+
+    /// Heights alone: those of [`Function::slopes`], bit for bit.
     #[inline(always)]
-    fn rows(&self, points: &Grid3, size: BlockSize, heights: &mut [f32], slopes: &mut Grid3) {
-        for j in 0..size.rows {
-            let at = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
-            let row = [
-                &points.x[at.clone()],
-                &points.y[at.clone()],
-                &points.z[at.clone()],
-            ];
-            let mut out = [[0.0; BLOCK_STRIDE]; 4];
-            match self.shape {
-                Shape::Perlin => {
-                    self.octave_of_row(row, self.frequency, self.seed, 1.0, false, &mut out);
-                }
-                Shape::Fbm => self.sum_of_row(row, false, &mut out),
-                Shape::Ridged => self.sum_of_row(row, true, &mut out),
-                Shape::Ripples => {
-                    for i in 0..size.cols {
-                        let found = self.ripples([row[0][i], row[1][i], row[2][i]]);
-                        for k in 0..4 {
-                            out[k][i] = found[k];
-                        }
-                    }
-                }
+    fn values(&self, at: Places<'_>, heights: &mut [f32]) {
+        if self.shape == Shape::Ripples || self.time != 0.0 {
+            for (i, h) in heights.iter_mut().enumerate() {
+                *h = self.slope([at.x[i], at.y[i], at.z[i]])[0];
             }
-            heights[at.clone()].copy_from_slice(&out[0][..size.cols]);
-            slopes.x[at.clone()].copy_from_slice(&out[1][..size.cols]);
-            slopes.y[at.clone()].copy_from_slice(&out[2][..size.cols]);
-            slopes.z[at].copy_from_slice(&out[3][..size.cols]);
+            return;
         }
-    }
-
-    /// [`Function::sum`] along a row: octave by octave, each with the points in lanes, by the same sums.
-    #[inline(always)]
-    fn sum_of_row(&self, row: [&[f32]; 3], ridged: bool, out: &mut [[f32; BLOCK_STRIDE]; 4]) {
-        let (mut frequency, mut weight) = (self.frequency, 1.0 / self.weights());
-        for k in 0..self.octaves {
+        let (mut frequency, (count, mut weight)) = (self.frequency, self.sums());
+        heights.fill(0.0);
+        for k in 0..count {
             let seed = self.seed.wrapping_add(k);
-            self.octave_of_row(row, frequency, seed, weight, ridged, out);
+            match self.shape {
+                Shape::Ridged => add_values::<true>(at, frequency, seed, weight, heights),
+                _ => add_values::<false>(at, frequency, seed, weight, heights),
+            }
             frequency *= self.lacunarity;
             weight *= self.gain;
         }
     }
 
-    /// Adds an octave along a row.
+    /// Heights and gradients: octave by octave, each with the points in lanes, by the sums of [`Function::slope`].
     #[inline(always)]
-    fn octave_of_row(
-        &self,
-        [x, y, z]: [&[f32]; 3],
-        frequency: f32,
-        seed: u32,
-        weight: f32,
-        ridged: bool,
-        out: &mut [[f32; BLOCK_STRIDE]; 4],
-    ) {
-        let n = x.len().min(BLOCK_STRIDE);
-        let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
-        let [h, sx, sy, sz] = out;
-        let (h, sx, sy, sz) = (&mut h[..n], &mut sx[..n], &mut sy[..n], &mut sz[..n]);
-        for i in 0..n {
-            let found = self.octave([x[i], y[i], z[i]], frequency, seed);
-            let found = if ridged { ridge(found) } else { found };
-            h[i] += found[0] * weight;
-            sx[i] += found[1] * weight;
-            sy[i] += found[2] * weight;
-            sz[i] += found[3] * weight;
+    fn slopes(&self, at: Places<'_>, out: Slopes<'_>) {
+        let Slopes { h, x, y, z } = out;
+        if self.shape == Shape::Ripples || self.time != 0.0 {
+            for i in 0..h.len() {
+                [h[i], x[i], y[i], z[i]] = self.slope([at.x[i], at.y[i], at.z[i]]);
+            }
+            return;
         }
+        let (mut frequency, (count, mut weight)) = (self.frequency, self.sums());
+        h.fill(0.0);
+        x.fill(0.0);
+        y.fill(0.0);
+        z.fill(0.0);
+        for k in 0..count {
+            let seed = self.seed.wrapping_add(k);
+            match self.shape {
+                Shape::Ridged => add_slopes::<true>(at, frequency, seed, weight, h, x, y, z),
+                _ => add_slopes::<false>(at, frequency, seed, weight, h, x, y, z),
+            }
+            frequency *= self.lacunarity;
+            weight *= self.gain;
+        }
+    }
+}
+
+/// Points whose octaves are summed up together: few enough to stay in the cache next to the processor.
+const CHUNK: usize = 256;
+
+/// Points, component by component.
+#[derive(Clone, Copy)]
+struct Places<'a> {
+    x: &'a [f32],
+    y: &'a [f32],
+    z: &'a [f32],
+}
+
+/// Heights and their gradients.
+struct Slopes<'a> {
+    h: &'a mut [f32],
+    x: &'a mut [f32],
+    y: &'a mut [f32],
+    z: &'a mut [f32],
+}
+
+/// Adds an octave of noise, or of ridges.
+#[inline(always)]
+fn add_values<const RIDGED: bool>(
+    at: Places<'_>,
+    frequency: f32,
+    seed: u32,
+    weight: f32,
+    out: &mut [f32],
+) {
+    let n = out.len();
+    let (x, y, z) = (&at.x[..n], &at.y[..n], &at.z[..n]);
+    for i in 0..n {
+        let at = [x[i] * frequency, y[i] * frequency, z[i] * frequency];
+        let n = noise::perlin_value(at, seed);
+        let n = if RIDGED {
+            ridge([n, 0.0, 0.0, 0.0])[0]
+        } else {
+            n
+        };
+        out[i] += n * weight;
+    }
+}
+
+/// The same with gradients.
+#[inline(always)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "outputs that cannot overlap, as the compiler is to know"
+)]
+fn add_slopes<const RIDGED: bool>(
+    at: Places<'_>,
+    frequency: f32,
+    seed: u32,
+    weight: f32,
+    h: &mut [f32],
+    sx: &mut [f32],
+    sy: &mut [f32],
+    sz: &mut [f32],
+) {
+    let n = h.len();
+    let (x, y, z) = (&at.x[..n], &at.y[..n], &at.z[..n]);
+    let (sx, sy, sz) = (&mut sx[..n], &mut sy[..n], &mut sz[..n]);
+    for i in 0..n {
+        let at = [x[i] * frequency, y[i] * frequency, z[i] * frequency];
+        let n = noise::perlin(at, seed);
+        let n = [n[0], n[1] * frequency, n[2] * frequency, n[3] * frequency];
+        let n = if RIDGED { ridge(n) } else { n };
+        h[i] += n[0] * weight;
+        sx[i] += n[1] * weight;
+        sy[i] += n[2] * weight;
+        sz[i] += n[3] * weight;
     }
 }
 
@@ -401,7 +434,6 @@ impl Function {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::records::BLOCK_LEN;
 
     #[test]
     fn texts_are_read_or_refused() {
@@ -439,12 +471,13 @@ mod tests {
 
     #[test]
     fn rows_and_points_have_the_same_bits_with_and_without_gradients() {
-        let size = BlockSize { cols: 33, rows: 7 };
+        // More than a chunk, and no whole number of vectors.
+        const COUNT: usize = CHUNK + 37;
         let mut points = Grid3::boxed();
-        for (n, k) in size.indices().enumerate() {
+        for k in 0..COUNT {
             points.put(
                 k,
-                [0.371, 0.719, 0.131].map(|s| (s * n as f32).fract() * 8.0 - 4.0),
+                [0.371, 0.719, 0.131].map(|s| (s * k as f32).fract() * 8.0 - 4.0),
             );
         }
         for text in [
@@ -456,11 +489,11 @@ mod tests {
         ] {
             let f: Function = text.parse().unwrap();
             for simd in Level::available() {
-                let (mut alone, mut both) = (vec![0.0; BLOCK_LEN], vec![0.0; BLOCK_LEN]);
+                let (mut alone, mut both) = (vec![0.0; COUNT], vec![0.0; COUNT]);
                 let mut slopes = Grid3::boxed();
-                f.grid(simd, &points, size, &mut alone, None);
-                f.grid(simd, &points, size, &mut both, Some(&mut slopes));
-                for k in size.indices() {
+                f.all(simd, &points, &mut alone, None);
+                f.all(simd, &points, &mut both, Some(&mut slopes));
+                for k in 0..COUNT {
                     let [h, x, y, z] = f.slope(points.at(k));
                     assert_eq!(alone[k].to_bits(), both[k].to_bits(), "{text}");
                     assert_eq!((h, [x, y, z]), (both[k], slopes.at(k)), "{text}");

@@ -1,7 +1,9 @@
 //! Heights from a picture.
 
-use crate::records::BLOCK_STRIDE;
+use crate::math;
+use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::texture::Texture;
+use std::hint::black_box;
 use std::ops::Range;
 
 /// A picture of heights: one number per texel, blended from the four nearest texels, without smaller levels: a displaced point must not
@@ -73,14 +75,7 @@ impl HeightMap {
         if let Some(index) = texels.iter().position(|h| !h.is_finite()) {
             return Err(MapError::NotFinite { index });
         }
-        let mut map = Self {
-            width,
-            height,
-            texels,
-            ranges: Vec::new(),
-        };
-        map.ranges = map.pyramid();
-        Ok(map)
+        Ok(Self::of_texels(width, height, texels))
     }
 
     /// The red channel of a picture, from 0 to 1.
@@ -89,14 +84,16 @@ impl HeightMap {
         let [width, height] = texture.size();
         let all = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
         let texels = all.map(|[x, y]| texture.texel(0, x, y)[0]).collect();
-        let mut map = Self {
+        Self::of_texels(width, height, texels)
+    }
+
+    fn of_texels(width: u32, height: u32, texels: Vec<f32>) -> Self {
+        Self {
             width,
             height,
+            ranges: pyramid([width, height], &texels),
             texels,
-            ranges: Vec::new(),
-        };
-        map.ranges = map.pyramid();
-        map
+        }
     }
 
     /// Bytes that a map of this size takes.
@@ -127,9 +124,23 @@ impl HeightMap {
         a + (b - a) * ty
     }
 
+    /// Heights, and slopes if wanted, at the first `heights.len()` texture coordinates.
+    #[inline(always)]
+    pub(super) fn all(&self, uvs: &Grid3, heights: &mut [f32], mut slopes: Option<&mut Grid3>) {
+        for first in (0..heights.len()).step_by(BLOCK_STRIDE) {
+            let part = first..(first + BLOCK_STRIDE).min(heights.len());
+            let (u, v) = (&uvs.x[part.clone()], &uvs.y[part.clone()]);
+            let heights = &mut heights[part.clone()];
+            match slopes.as_deref_mut() {
+                Some(s) => self.slope_line(u, v, [heights, &mut s.x[part.clone()], &mut s.y[part]]),
+                None => self.line(u, v, heights),
+            }
+        }
+    }
+
     /// Heights along a line of points, by the sums of [`HeightMap::at`].
     #[inline(always)]
-    pub(super) fn line(&self, u: &[f32], v: &[f32], out: &mut [f32]) {
+    fn line(&self, u: &[f32], v: &[f32], out: &mut [f32]) {
         let (mut across, mut down) = (Taps::NONE, Taps::NONE);
         across.find(u, [1.0, 0.0], self.width);
         down.find(v, [-1.0, 0.0], self.height);
@@ -138,7 +149,7 @@ impl HeightMap {
 
     /// The same with slopes, by those of [`HeightMap::slope`].
     #[inline(always)]
-    pub(super) fn slope_line(&self, u: &[f32], v: &[f32], out: [&mut [f32]; 3]) {
+    fn slope_line(&self, u: &[f32], v: &[f32], out: [&mut [f32]; 3]) {
         let (w, h) = (self.width as f32, self.height as f32);
         let (du, dv) = (0.5 / w, 0.5 / h);
         let [height, by_u, by_v] = out;
@@ -170,25 +181,47 @@ impl HeightMap {
     fn blend(&self, across: &Taps, down: &Taps, out: &mut [f32]) {
         let n = out.len().min(BLOCK_STRIDE);
         let out = &mut out[..n];
-        let width = self.width as usize;
-        let mut found = [[0.0; BLOCK_STRIDE]; 4];
+        let mut places = [[0_u32; BLOCK_STRIDE]; 2];
+        let [above, below] = &mut places;
         for i in 0..n {
-            let (x0, x1) = (across.first[i] as usize, across.second[i] as usize);
-            let (y0, y1) = (
-                down.first[i] as usize * width,
-                down.second[i] as usize * width,
-            );
-            for (found, at) in found.iter_mut().zip([y0 + x0, y0 + x1, y1 + x0, y1 + x1]) {
-                found[i] = self.texels[at];
+            let x = across.first[i] as u32;
+            above[i] = (down.first[i] as u32)
+                .wrapping_mul(self.width)
+                .wrapping_add(x);
+            below[i] = (down.second[i] as u32)
+                .wrapping_mul(self.width)
+                .wrapping_add(x);
+        }
+        let mut found = [[0.0; BLOCK_STRIDE]; 4];
+        let [a, b, c, d] = &mut found;
+        for i in 0..n {
+            // Keeps this loop scalar: gathers under masks take several times as long.
+            black_box(());
+            [a[i], b[i]] = self.pair(above[i]);
+            [c[i], d[i]] = self.pair(below[i]);
+            // Behind the last column comes the first.
+            if across.second[i] == 0 {
+                let back = across.first[i] as u32;
+                b[i] = self.pair(above[i] - back)[0];
+                d[i] = self.pair(below[i] - back)[0];
             }
         }
-        let [a, b, c, d] = &found;
         let (a, b, c, d) = (&a[..n], &b[..n], &c[..n], &d[..n]);
         let (tx, ty) = (&across.share[..n], &down.share[..n]);
         for i in 0..n {
             let low = a[i] + (b[i] - a[i]) * tx[i];
             let high = c[i] + (d[i] - c[i]) * tx[i];
             out[i] = low + (high - low) * ty[i];
+        }
+    }
+
+    /// A texel and the one that is stored after it, if there is one.
+    #[inline(always)]
+    fn pair(&self, at: u32) -> [f32; 2] {
+        match self.texels.get(at as usize..at as usize + 2) {
+            Some(&[a, b]) => [a, b],
+            // The last of all is in the last column.
+            _ => [self.texels.last().copied().unwrap_or_default(), 0.0],
         }
     }
 
@@ -290,20 +323,33 @@ impl HeightMap {
         }
         out
     }
+}
 
-    fn pyramid(&self) -> Vec<Ranges> {
-        let mut out: Vec<Ranges> = Vec::new();
-        let (w, h) = (
-            self.width.div_ceil(1 << FINEST),
-            self.height.div_ceil(1 << FINEST),
-        );
-        let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        let none = [f32::INFINITY, f32::NEG_INFINITY];
+/// Ranges of squares of all sizes.
+fn pyramid([width, height]: [u32; 2], texels: &[f32]) -> Vec<Ranges> {
+    let mut out: Vec<Ranges> = Vec::new();
+    let (w, h) = (width.div_ceil(1 << FINEST), height.div_ceil(1 << FINEST));
+    let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let none = [f32::INFINITY, f32::NEG_INFINITY];
+    let mut of = vec![none; w as usize * h as usize];
+    for (y, row) in texels.chunks_exact(width as usize).enumerate() {
+        for (x, &t) in row.iter().enumerate() {
+            let at = (y >> FINEST) * w as usize + (x >> FINEST);
+            of[at] = join(of[at], [t, t]);
+        }
+    }
+    out.push(Ranges {
+        width: w,
+        height: h,
+        of,
+    });
+    while let Some(last) = out.last().filter(|l| l.width > 1 || l.height > 1) {
+        let (w, h) = (last.width.div_ceil(2), last.height.div_ceil(2));
         let mut of = vec![none; w as usize * h as usize];
-        for (y, row) in self.texels.chunks_exact(self.width as usize).enumerate() {
-            for (x, &t) in row.iter().enumerate() {
-                let at = (y >> FINEST) * w as usize + (x >> FINEST);
-                of[at] = join(of[at], [t, t]);
+        for y in 0..last.height {
+            for x in 0..last.width {
+                let at = (y / 2 * w + x / 2) as usize;
+                of[at] = join(of[at], last.of[(y * last.width + x) as usize]);
             }
         }
         out.push(Ranges {
@@ -311,23 +357,8 @@ impl HeightMap {
             height: h,
             of,
         });
-        while let Some(last) = out.last().filter(|l| l.width > 1 || l.height > 1) {
-            let (w, h) = (last.width.div_ceil(2), last.height.div_ceil(2));
-            let mut of = vec![none; w as usize * h as usize];
-            for y in 0..last.height {
-                for x in 0..last.width {
-                    let at = (y / 2 * w + x / 2) as usize;
-                    of[at] = join(of[at], last.of[(y * last.width + x) as usize]);
-                }
-            }
-            out.push(Ranges {
-                width: w,
-                height: h,
-                of,
-            });
-        }
-        out
     }
+    out
 }
 
 /// The texels around a line of coordinates, one direction of them.
@@ -369,10 +400,8 @@ fn neighbours(x: f32, n: u32) -> (usize, usize, f32) {
 fn texels_at(x: f32, n: u32) -> (i32, i32, f32) {
     // Beyond 2^23 there is no fraction.
     let x = if x.abs() < 8_388_608.0 { x } else { 0.0 };
-    let i = x as i32;
-    let floor = i - i32::from((i as f32) > x);
-    let p = (x - floor as f32) * n as f32 - 0.5;
-    let below = if p < 0.0 { -1 } else { p as i32 };
+    let p = (x - math::floor(x) as f32) * n as f32 - 0.5;
+    let below = math::floor(p);
     let n = n as i32;
     // The fraction may round to 1.
     let a = if below < 0 { n - 1 } else { below.min(n - 1) };

@@ -23,8 +23,8 @@ pub(crate) mod normal;
 
 use crate::dispatch;
 use crate::math;
-use crate::records::{BLOCK_LEN, BLOCK_STRIDE, BlockSize, Grid3};
-use crate::simd::Level;
+use crate::records::{BLOCK_LEN, Grid3};
+use crate::simd::{LANES, Level};
 use std::fmt;
 use std::sync::Arc;
 
@@ -217,11 +217,11 @@ impl Displacement {
         }
     }
 
-    /// Displaces the points of a grid. `directions` are those along which points move: unit normals but at creases. Leaves what normals
-    /// need in `heights`.
-    pub(crate) fn grid(
+    /// Displaces the first `count` points of the component arrays. `directions` are those along which points move: unit normals but at creases.
+    /// Leaves what normals need in `heights`.
+    pub(crate) fn all(
         &self,
-        (simd, size): (Level, BlockSize),
+        (simd, count): (Level, usize),
         points: &mut Grid3,
         directions: &Grid3,
         uvs: &Grid3,
@@ -229,77 +229,111 @@ impl Displacement {
         heights: &mut Heights,
     ) {
         let Heights { values, slopes } = heights;
+        // Whole vectors; what is beyond the points means nothing.
+        let values = &mut values[..padded(count)];
+        let slopes = wants_slopes.then_some(&mut **slopes);
         match &self.kind {
-            Kind::Function(function) => {
-                let slopes = wants_slopes.then_some(&mut **slopes);
-                function.grid(simd, points, size, &mut values[..], slopes);
-            }
-            Kind::Map(map) => {
-                let slopes = wants_slopes.then_some(&mut **slopes);
-                dispatch!(simd, map_rows(map, size, uvs, &mut values[..], slopes));
-            }
+            Kind::Function(function) => function.all(simd, points, values, slopes),
+            Kind::Map(map) => dispatch!(simd, map.all(uvs, values, slopes)),
             Kind::Vector { rule, most } => {
-                for k in size.indices() {
+                for k in 0..count {
                     let site = DisplaceSite {
-                        position: [points.x[k], points.y[k], points.z[k]],
-                        normal: [directions.x[k], directions.y[k], directions.z[k]],
+                        position: points.at(k),
+                        normal: directions.at(k),
                         uv: [uvs.x[k], uvs.y[k]],
                     };
                     let d = match site.normal == [0.0; 3] {
                         true => [0.0; 3],
                         false => Self::vector_at(&**rule, *most, &site),
                     };
-                    (points.x[k], points.y[k], points.z[k]) = (
-                        site.position[0] + d[0],
-                        site.position[1] + d[1],
-                        site.position[2] + d[2],
-                    );
+                    points.put(k, math::add(site.position, d));
                 }
                 return;
             }
         }
-        dispatch!(simd, self.lift(size, points, directions, &mut values[..]));
+        dispatch!(simd, self.lift(points, directions, values));
     }
 
     /// Makes heights of values, and moves points along their directions.
     #[inline(always)]
-    fn lift(&self, size: BlockSize, points: &mut Grid3, directions: &Grid3, values: &mut [f32]) {
-        for j in 0..size.rows {
-            let at = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
-            let h = &mut values[at.clone()];
-            for h in h.iter_mut() {
-                *h = self.height(*h);
+    fn lift(&self, points: &mut Grid3, directions: &Grid3, values: &mut [f32]) {
+        let n = values.len();
+        for h in values.iter_mut() {
+            *h = self.height(*h);
+        }
+        let lines = [
+            (&mut points.x, &directions.x),
+            (&mut points.y, &directions.y),
+            (&mut points.z, &directions.z),
+        ];
+        for (p, d) in lines {
+            let (p, d) = (&mut p[..n], &d[..n]);
+            for i in 0..n {
+                p[i] += d[i] * values[i];
             }
-            let lines = [
-                (&mut points.x, &directions.x),
-                (&mut points.y, &directions.y),
-                (&mut points.z, &directions.z),
-            ];
-            for (p, d) in lines {
-                let (p, d) = (&mut p[at.clone()], &d[at.clone()]);
-                let (d, h) = (&d[..p.len()], &h[..p.len()]);
-                for i in 0..p.len() {
-                    p[i] += d[i] * h[i];
+        }
+    }
+
+    /// Unit normals of the displaced surface at the first `count` points: those of [`Displacement::normal`], bit for bit. `heights` are those
+    /// of [`Displacement::all`]. What does not move keeps its normal.
+    pub(crate) fn normals(
+        &self,
+        (simd, count): (Level, usize),
+        limit: &Limit<'_>,
+        directions: &Grid3,
+        heights: &Heights,
+        out: &mut Grid3,
+    ) {
+        let Limit {
+            normals, jets, by, ..
+        } = *limit;
+        let (n, values) = (padded(count), &heights.values[..]);
+        match &self.kind {
+            Kind::Function(_) => {
+                let slopes = Slopes::<false> {
+                    scale: self.scale,
+                    by,
+                    of: &heights.slopes,
+                };
+                dispatch!(
+                    simd,
+                    normal_lanes(n, jets, normals, values, slopes, directions, out)
+                );
+            }
+            Kind::Map(_) => {
+                let slopes = Slopes::<true> {
+                    scale: self.scale,
+                    by,
+                    of: &heights.slopes,
+                };
+                dispatch!(
+                    simd,
+                    normal_lanes(n, jets, normals, values, slopes, directions, out)
+                );
+            }
+            Kind::Vector { .. } => {
+                for k in 0..count {
+                    let normal = match directions.at(k) == [0.0; 3] {
+                        true => normals.at(k),
+                        false => self.normal(&limit.around(k), 0.0, [0.0; 3]),
+                    };
+                    out.put(k, normal);
                 }
             }
         }
     }
 
     /// Unit normal of the displaced surface at a point, from the derivatives of the limit surface and of the texture coordinates by the
-    /// same parameters. `value` and `slope` are those of [`Displacement::grid`].
+    /// same parameters. `value` and `slope` are those of [`Displacement::all`].
     pub(crate) fn normal(&self, at: &Around, value: f32, slope: [f32; 3]) -> [f32; 3] {
         let (bend, n) = (&at.bend, at.normal);
+        let [du, dv] = [bend.du, bend.dv];
         match &self.kind {
             Kind::Function(_) => {
-                let slope = [bend.du, bend.dv].map(|d| math::dot(d, slope) * self.scale);
+                let slope = by_function([du, dv], slope, self.scale);
                 bend.displaced(n, value, slope)
             }
-            Kind::Map(_) => {
-                let slope = at
-                    .uv_by
-                    .map(|[u, v]| (slope[0] * u + slope[1] * v) * self.scale);
-                bend.displaced(n, value, slope)
-            }
+            Kind::Map(_) => bend.displaced(n, value, by_map(at.uv_by, slope, self.scale)),
             Kind::Vector { rule, most } => at.of_rule(|site| Self::vector_at(&**rule, *most, site)),
         }
     }
@@ -326,7 +360,7 @@ impl Displacement {
         })
     }
 
-    /// Height and slope at a single point, as [`Displacement::grid`] has them.
+    /// Height and slope at a single point, as [`Displacement::all`] has them.
     pub(crate) fn slope_at(&self, position: [f32; 3], uv: [f32; 2]) -> (f32, [f32; 3]) {
         match &self.kind {
             Kind::Function(function) => {
@@ -342,22 +376,125 @@ impl Displacement {
     }
 }
 
-/// Values of a map at the texture coordinates of a grid, with its slopes if they are wanted.
+/// Places of whole vectors that hold `count` points.
+fn padded(count: usize) -> usize {
+    count.next_multiple_of(LANES).min(BLOCK_LEN)
+}
+
+/// Slopes by both parameters of a function whose gradient is `slope`.
 #[inline(always)]
-fn map_rows(
-    map: &HeightMap,
-    size: BlockSize,
-    uvs: &Grid3,
-    values: &mut [f32],
-    mut slopes: Option<&mut Grid3>,
+fn by_function([du, dv]: [[f32; 3]; 2], slope: [f32; 3], scale: f32) -> [f32; 2] {
+    [
+        (du[0] * slope[0] + du[1] * slope[1] + du[2] * slope[2]) * scale,
+        (dv[0] * slope[0] + dv[1] * slope[1] + dv[2] * slope[2]) * scale,
+    ]
+}
+
+/// The same of a map, from its slopes by u and v.
+#[inline(always)]
+fn by_map([a, b]: [[f32; 2]; 2], slope: [f32; 3], scale: f32) -> [f32; 2] {
+    [
+        (slope[0] * a[0] + slope[1] * a[1]) * scale,
+        (slope[0] * b[0] + slope[1] * b[1]) * scale,
+    ]
+}
+
+/// Slopes of a block: of a map, or of a function of space.
+struct Slopes<'a, const MAP: bool> {
+    scale: f32,
+    by: &'a Jets,
+    of: &'a Grid3,
+}
+
+/// Normals of `n` points, a whole number of vectors.
+#[inline(always)]
+fn normal_lanes<const MAP: bool>(
+    n: usize,
+    jets: &Jets,
+    normals: &Grid3,
+    heights: &[f32],
+    slopes: Slopes<'_, MAP>,
+    directions: &Grid3,
+    out: &mut Grid3,
 ) {
-    for j in 0..size.rows {
-        let at = j * BLOCK_STRIDE..j * BLOCK_STRIDE + size.cols;
-        let (u, v) = (&uvs.x[at.clone()], &uvs.y[at.clone()]);
-        let h = &mut values[at.clone()];
-        match slopes.as_deref_mut() {
-            Some(s) => map.slope_line(u, v, [h, &mut s.x[at.clone()], &mut s.y[at]]),
-            None => map.line(u, v, h),
+    let heights = &heights[..n];
+    let Slopes { scale, by, of } = slopes;
+    for i in 0..n {
+        let bend = jets.bend(i);
+        let normal = [normals.x[i], normals.y[i], normals.z[i]];
+        let slope = [of.x[i], of.y[i], of.z[i]];
+        let slope = if MAP {
+            by_map(by.first_two(i), slope, scale)
+        } else {
+            by_function([bend.du, bend.dv], slope, scale)
+        };
+        let found = bend.displaced(normal, heights[i], slope);
+        let held = (directions.x[i] == 0.0) & (directions.y[i] == 0.0) & (directions.z[i] == 0.0);
+        out.x[i] = if held { normal[0] } else { found[0] };
+        out.y[i] = if held { normal[1] } else { found[1] };
+        out.z[i] = if held { normal[2] } else { found[2] };
+    }
+}
+
+/// Derivatives at the points of a block, by u, by v, and the second ones.
+#[derive(Clone, Debug)]
+pub(crate) struct Jets {
+    pub(crate) du: Grid3,
+    pub(crate) dv: Grid3,
+    pub(crate) second: [Grid3; 3],
+}
+
+impl Jets {
+    pub(crate) fn boxed() -> Box<Self> {
+        let zero = || *Grid3::boxed();
+        Box::new(Self {
+            du: zero(),
+            dv: zero(),
+            second: [zero(), zero(), zero()],
+        })
+    }
+
+    #[inline(always)]
+    pub(crate) fn bend(&self, k: usize) -> normal::Bend {
+        let [a, b, c] = &self.second;
+        normal::Bend {
+            du: [self.du.x[k], self.du.y[k], self.du.z[k]],
+            dv: [self.dv.x[k], self.dv.y[k], self.dv.z[k]],
+            second: [
+                [a.x[k], a.y[k], a.z[k]],
+                [b.x[k], b.y[k], b.z[k]],
+                [c.x[k], c.y[k], c.z[k]],
+            ],
+        }
+    }
+
+    /// Those of texture coordinates.
+    #[inline(always)]
+    pub(crate) fn first_two(&self, k: usize) -> [[f32; 2]; 2] {
+        [[self.du.x[k], self.du.y[k]], [self.dv.x[k], self.dv.y[k]]]
+    }
+}
+
+/// The limit surface at the points of a block.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limit<'a> {
+    pub(crate) points: &'a Grid3,
+    pub(crate) normals: &'a Grid3,
+    pub(crate) uvs: &'a Grid3,
+    pub(crate) jets: &'a Jets,
+    /// Derivatives of the texture coordinates.
+    pub(crate) by: &'a Jets,
+}
+
+impl Limit<'_> {
+    /// Around point `k`.
+    pub(crate) fn around(&self, k: usize) -> Around {
+        Around {
+            position: self.points.at(k),
+            normal: self.normals.at(k),
+            bend: self.jets.bend(k),
+            uv: [self.uvs.x[k], self.uvs.y[k]],
+            uv_by: self.by.first_two(k),
         }
     }
 }

@@ -15,24 +15,42 @@ pub(crate) struct Bend {
     pub(crate) second: [[f32; 3]; 3],
 }
 
+// Without branches, and without closures, which would be compiled without the caller's vector instructions: most points are done in lanes.
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `(a s + b t) f`, or zeros.
+#[inline(always)]
+fn mix(a: [f32; 3], s: f32, b: [f32; 3], t: f32, f: f32, sound: bool) -> [f32; 3] {
+    let mut out = [0.0; 3];
+    for k in 0..3 {
+        let x = (a[k] * s + b[k] * t) * f;
+        out[k] = if sound { x } else { 0.0 };
+    }
+    out
+}
+
 impl Bend {
     /// Derivatives of the unit normal `n`.
     #[inline(always)]
     pub(crate) fn normals_of(&self, n: [f32; 3]) -> [[f32; 3]; 2] {
         let (du, dv) = (self.du, self.dv);
-        let (e, f, g) = (math::dot(du, du), math::dot(du, dv), math::dot(dv, dv));
-        let [l, m, k] = self.second.map(|d| math::dot(d, n));
+        let (e, f, g) = (dot(du, du), dot(du, dv), dot(dv, dv));
+        let (l, m, k) = (
+            dot(self.second[0], n),
+            dot(self.second[1], n),
+            dot(self.second[2], n),
+        );
         let det = e * g - f * f;
         // Of parallel tangents nothing follows.
-        if det.is_nan() || det <= 1e-10 * e * g {
-            return [[0.0; 3]; 2];
-        }
-        let mix = |a: f32, b: f32| {
-            math::scale(math::add(math::scale(du, a), math::scale(dv, b)), 1.0 / det)
-        };
+        let sound = det > 1e-10 * e * g;
+        let inverse = 1.0 / det;
         [
-            mix(f * m - g * l, f * l - e * m),
-            mix(f * k - g * m, f * m - e * k),
+            mix(du, f * m - g * l, dv, f * l - e * m, inverse, sound),
+            mix(du, f * k - g * m, dv, f * m - e * k, inverse, sound),
         ]
     }
 
@@ -40,10 +58,12 @@ impl Bend {
     #[inline(always)]
     pub(crate) fn displaced(&self, n: [f32; 3], height: f32, slope: [f32; 2]) -> [f32; 3] {
         let [nu, nv] = self.normals_of(n);
-        let along = |d: [f32; 3], nd: [f32; 3], s: f32| {
-            [0, 1, 2].map(|k| (d[k] + nd[k] * height) + n[k] * s)
-        };
-        unit(along(self.du, nu, slope[0]), along(self.dv, nv, slope[1])).unwrap_or(n)
+        let (mut along, mut across) = ([0.0; 3], [0.0; 3]);
+        for k in 0..3 {
+            along[k] = (self.du[k] + nu[k] * height) + n[k] * slope[0];
+            across[k] = (self.dv[k] + nv[k] * height) + n[k] * slope[1];
+        }
+        unit_or(along, across, n).1
     }
 }
 
@@ -65,17 +85,39 @@ impl Bend {
 }
 
 /// Unit vector along the cross product of vectors of any size.
-#[inline(always)]
+#[inline]
 pub(crate) fn unit(a: [f32; 3], b: [f32; 3]) -> Option<[f32; 3]> {
-    let size = |v: [f32; 3]| v[0].abs().max(v[1].abs()).max(v[2].abs());
-    let (ma, mb) = (size(a), size(b));
-    if !(ma > 0.0 && mb > 0.0 && ma.is_finite() && mb.is_finite()) {
-        return None;
+    let (found, unit) = unit_or(a, b, [0.0; 3]);
+    found.then_some(unit)
+}
+
+#[inline(always)]
+fn largest(v: [f32; 3]) -> f32 {
+    v[0].abs().max(v[1].abs()).max(v[2].abs())
+}
+
+/// The same, or `spare`; and whether there is one.
+#[inline(always)]
+fn unit_or(a: [f32; 3], b: [f32; 3], spare: [f32; 3]) -> (bool, [f32; 3]) {
+    let (ma, mb) = (largest(a), largest(b));
+    let fits = (ma > 0.0) & (mb > 0.0) & (ma < f32::INFINITY) & (mb < f32::INFINITY);
+    let a = [a[0] / ma, a[1] / ma, a[2] / ma];
+    let b = [b[0] / mb, b[1] / mb, b[2] / mb];
+    let c = [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ];
+    let square = dot(c, c);
+    // Below this it is rounding noise of two factors of unit size. Above, none of its squares leaves the range.
+    let found = fits & (square > 1e-12);
+    let inverse = 1.0 / square.sqrt();
+    let mut out = spare;
+    for k in 0..3 {
+        let x = c[k] * inverse;
+        out[k] = if found { x } else { spare[k] };
     }
-    let c = math::cross(a.map(|x| x / ma), b.map(|x| x / mb));
-    (math::dot(c, c) > 1e-12)
-        .then(|| math::normalize(c))
-        .flatten()
+    (found, out)
 }
 
 #[cfg(test)]

@@ -188,7 +188,7 @@ pub(super) fn places(tessellation: &Tessellation, item: u32) -> Vec<[f32; 2]> {
     out
 }
 
-/// Points whose convex hull holds a leaf.
+/// Points whose convex hull holds a leaf; of a displaced one, wherever its displacement may move it.
 pub(super) fn hull(
     surface: &Surface,
     tessellation: &Tessellation,
@@ -197,10 +197,11 @@ pub(super) fn hull(
     out: &mut Vec<[f32; 3]>,
 ) {
     let leaf = &tessellation.leaves[item as usize];
-    if surface.displacement().is_some() {
-        return displaced_hull(surface, tessellation, item, scratch, out);
-    }
+    let displaced = surface.displacement().is_some();
     if let Some(list) = scattered(tessellation, leaf) {
+        if displaced {
+            return drawn_box(surface, tessellation, item, scratch, out);
+        }
         // Triangles are flat: nothing is outside of the hull of their points.
         scratch.prepare(surface, leaf.quad, u32::from(leaf.reach), Sides::Points);
         let SourceScratch { patch, spare, .. } = scratch;
@@ -215,23 +216,29 @@ pub(super) fn hull(
         }
         return;
     }
-    scratch.prepare(surface, leaf.quad, u32::from(leaf.reach), Sides::None);
+    let reach = u32::from(leaf.reach);
+    match displaced {
+        true => scratch.prepare_part_hulls(surface, leaf.quad, reach),
+        false => scratch.prepare(surface, leaf.quad, reach, Sides::None),
+    }
     scratch.patch.part_hull(part(leaf), |p| out.push(p));
     let mut last = None;
     for &to in tessellation.moves(item as usize) {
         if inside(leaf, to).is_none() && last != Some(to.to) {
-            let spare = &mut scratch.spare;
-            scratch
-                .patch
-                .dice_part(surface, target(leaf, to), &mut spare.first, None);
-            out.push(spare.first.get(0, 0));
+            let SourceScratch { patch, spare, .. } = &mut *scratch;
+            if displaced {
+                patch.part_hull(target(leaf, to), |p| out.push(p));
+            } else {
+                patch.dice_part(surface, target(leaf, to), &mut spare.first, None);
+                out.push(spare.first.get(0, 0));
+            }
             last = Some(to.to);
         }
     }
 }
 
-/// Corners of the box of a displaced leaf: of what is drawn, which no bound of the displacement comes close to.
-fn displaced_hull(
+/// Corners of the box of what is drawn of a leaf, which no bound of a displacement comes close to.
+pub(super) fn drawn_box(
     surface: &Surface,
     tessellation: &Tessellation,
     item: u32,

@@ -36,8 +36,8 @@ use crate::tessellate::patterns::Pool;
 use crate::tessellate::{DepthTags, Flatness, Tessellation, depth_tags, flatness};
 use crate::texture::Texture;
 use rayon::prelude::*;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 pub use aov::{Aov, Plane};
@@ -244,6 +244,8 @@ pub(crate) struct Frame<'a> {
     bins: Bins,
     /// Screen boxes of all items.
     boxes: Vec<Option<PixelBox>>,
+    /// Boxes of displaced blocks by those tiles that were the first to dice them; none if boxes are exact from the beginning.
+    seen: Vec<OnceLock<PixelBox>>,
     sources: Vec<Source<'a>>,
     shader: Shader<'a>,
     film: Film,
@@ -443,6 +445,7 @@ impl Renderer {
             grid: TileGrid::new(size, tile_side(size.samples)),
             bins: Bins::default(),
             boxes: Vec::new(),
+            seen: Vec::new(),
             sources,
             shader,
             film: Film::new(self.mode.encoding(), self.background),
@@ -466,6 +469,10 @@ impl Renderer {
             ..FrameStats::default()
         };
         let begin = Instant::now();
+        // Line work looks beyond the borders of tiles, at what is in their bins.
+        if purpose == Use::Picture && frame.sources.iter().any(Source::has_wide_hulls) {
+            frame.seen.resize_with(item_count as usize, OnceLock::new);
+        }
         let boxes = self.setup(&frame, item_count, &mut stats.diced_in_setup)?;
         stats.wall[0] = begin.elapsed();
         self.limits.memory(
@@ -516,7 +523,7 @@ impl Renderer {
     fn predicted_bytes(&self, items: u32) -> u128 {
         let pixels = u128::from(self.size.width) * u128::from(self.size.height);
         let tile = 16_u128 << 20;
-        pixels * 8 + u128::from(items) * 40 + tile * rayon::current_num_threads() as u128
+        pixels * 8 + u128::from(items) * 64 + tile * rayon::current_num_threads() as u128
     }
 
     fn levels(&self, scene: &Scene, view: &View) -> Result<Vec<u32>, RenderError> {

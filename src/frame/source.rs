@@ -112,6 +112,20 @@ impl SourceScratch {
     }
 }
 
+impl SourceScratch {
+    /// Prepares a quad for hulls of its parts, unless it is.
+    pub(super) fn prepare_part_hulls(&mut self, surface: &Surface, quad: u32, level: u32) {
+        let of = std::ptr::from_ref(surface) as usize;
+        let is_ready = |(s, q, l, _): (usize, u32, u32, Sides)| (s, q, l) == (of, quad, level);
+        if !self.leaf.is_some_and(is_ready) {
+            self.patch.prepare_part_hulls(surface, quad, level);
+            // Nothing can be diced.
+            self.leaf = Some((of, quad, level, Sides::Hull));
+            self.prepared = None;
+        }
+    }
+}
+
 /// What shading needs of a block beside its points.
 pub(super) struct Attributes {
     pub(super) normals: Box<Grid3>,
@@ -332,15 +346,31 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Whether items are displaced blocks, where hulls are far larger than what is drawn.
+    pub(super) fn has_wide_hulls(&self) -> bool {
+        self.tessellation.is_some() && self.object.surface.displacement().is_some()
+    }
+
+    /// Corners of the box of what is drawn of a local item with a wide hull: the price is to dice it.
+    pub(super) fn drawn_box(
+        &self,
+        scratch: &mut SourceScratch,
+        item: u32,
+        out: &mut Vec<[f32; 3]>,
+    ) {
+        out.clear();
+        if let Some(t) = &self.tessellation {
+            let size = self.block_size(item);
+            scratch.diced += (size.cols * size.rows) as u64;
+            leaf::drawn_box(&self.object.surface, t, item, scratch, out);
+        }
+    }
+
     /// Points whose convex hull holds a local item.
     pub(super) fn hull(&self, scratch: &mut SourceScratch, item: u32, out: &mut Vec<[f32; 3]>) {
         out.clear();
         let surface = &self.object.surface;
         if let Some(t) = &self.tessellation {
-            if surface.displacement().is_some() {
-                let size = self.block_size(item);
-                scratch.diced += (size.cols * size.rows) as u64;
-            }
             leaf::hull(surface, t, item, scratch, out);
         } else if self.drawing == Drawing::Cage {
             let cage = surface.cage();

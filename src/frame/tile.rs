@@ -16,6 +16,7 @@ use crate::raster::{Key, PairedBlock, PixelBox, ProjectedBlock, Tile, bounds, pr
 use crate::records::{Grid3, SampleId};
 use crate::shade::{ShadeMode, SurfacePoint};
 use crate::simd::Level;
+use std::sync::OnceLock;
 
 /// A block that was drawn into the tile; its place in the list is its rank.
 #[derive(Clone, Copy, Default)]
@@ -102,8 +103,28 @@ pub(super) fn item_box(
     if !source.is_drawn(item) || frame.is_clear(source.object.material(source.cage_face(item))) {
         return None;
     }
+    let on_screen = |hull: &[[f32; 3]]| bounds(hull, &frame.view.projection, frame.size);
+    if source.has_wide_hulls() && frame.seen.is_empty() {
+        source.drawn_box(scratch, item, hull);
+        return on_screen(hull);
+    }
     source.hull(scratch, item, hull);
-    bounds(hull, &frame.view.projection, frame.size)
+    let found = on_screen(hull)?;
+    if source.has_wide_hulls() && frame.grid.touches(&found) > WIDE {
+        source.drawn_box(scratch, item, hull);
+        return on_screen(hull);
+    }
+    Some(found)
+}
+
+/// Tiles that the hull of a displaced block may touch. Tiles find out where the block really is when they dice it; those of a hull across all
+/// of the picture would all have to ask.
+const WIDE: u64 = 6;
+
+/// Where an item may be, as far as that is known by now.
+fn known_box(frame: &Frame<'_>, item: u32) -> Option<PixelBox> {
+    let seen = frame.seen.get(item as usize).and_then(OnceLock::get);
+    seen.copied().or(frame.boxes[item as usize])
 }
 
 /// An item that waits to be drawn.
@@ -207,7 +228,7 @@ fn hides(frame: &Frame<'_>, s: &Scratch, hull: &PixelBox) -> bool {
 fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s: &mut Scratch) {
     let source = frame.source_of(item);
     let local = item - source.first_item;
-    if frame.boxes[item as usize].is_some_and(|b| hides(frame, s, &b)) {
+    if known_box(frame, item).is_some_and(|b| !touches(&b, rect) || hides(frame, s, &b)) {
         return;
     }
     let size = source.block_size(local);
@@ -238,9 +259,17 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
                 &frame.view.projection,
                 &mut s.projected,
             );
-            if s.projected.pixel_box().is_some_and(|b| hides(frame, s, &b)) {
-                s.times.stop(Stage::Tile, clock);
-                continue;
+            if let Some(found) = s.projected.pixel_box() {
+                if source.has_wide_hulls()
+                    && let Some(seen) = frame.seen.get(item as usize)
+                {
+                    // Whichever tile is first: all of them find the same.
+                    let _ = seen.set(found);
+                }
+                if !touches(&found, rect) || hides(frame, s, &found) {
+                    s.times.stop(Stage::Tile, clock);
+                    continue;
+                }
             }
             let drawn = Drawn {
                 item,

@@ -71,6 +71,15 @@ impl TileGrid {
         ]
     }
 
+    /// Number of tiles that a box touches.
+    pub(crate) fn touches(&self, b: &PixelBox) -> u64 {
+        let span = |k: usize| {
+            let last = (b.high[k].min(self.size[k]).max(1) - 1) / self.side;
+            u64::from((last + 1).saturating_sub(b.low[k] / self.side))
+        };
+        span(0) * span(1)
+    }
+
     /// Calls `f` for every tile that a box touches.
     #[inline]
     fn touched(&self, b: &PixelBox, mut f: impl FnMut(usize)) {

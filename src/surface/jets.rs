@@ -1,12 +1,15 @@
 //! Derivatives of a surface, and of its texture coordinates, at points of a face's grid.
 
 use super::Surface;
-use crate::control::Kind;
+use crate::control::{Kind, TreeChannel};
 use crate::dice::control::Descend;
 use crate::dice::evaluate::{self, Jet, Leaf, Place, QuadEvaluator, Row};
 use crate::dice::face::Part;
-use crate::dice::triangle::{TriangleEvaluator, leaf};
+use crate::dice::triangle::{DescendTriangles, JetLines, TriangleChannel, TriangleEvaluator, leaf};
+use crate::displace;
+use crate::records::BLOCK_STRIDE;
 use crate::simd::Level;
+use std::ops::Range;
 
 /// Derivatives at a point; second ones are zeros where there are none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,6 +20,17 @@ pub(super) struct Derivatives {
 }
 
 impl Derivatives {
+    /// Leaves them at place `k`; second ones if `ORDER` is 2.
+    pub(super) fn put<const ORDER: u32>(&self, out: &mut displace::Jets, k: usize) {
+        out.du.put(k, self.du);
+        out.dv.put(k, self.dv);
+        if ORDER > 1 {
+            for (out, d) in out.second.iter_mut().zip(self.second) {
+                out.put(k, d);
+            }
+        }
+    }
+
     fn of(jet: Jet, smooth: bool) -> Self {
         let second = [jet.duu.xyz(), jet.duv.xyz(), jet.dvv.xyz()];
         Self {
@@ -93,35 +107,44 @@ impl Jets {
         Some(derivatives::<ORDER>(found, scale, tip.is_some()))
     }
 
-    /// Derivatives along row `j` of a part of a face's grid. Says whether there are any.
+    /// Derivatives along row `j` of a part of a face's grid, in `columns`, from place `at` of `out` on; second ones if `ORDER` is 2. Says
+    /// whether there are any. Whole vectors are written: what is beyond the row means nothing.
     pub(super) fn row<const ORDER: u32>(
         &mut self,
         surface: &Surface,
         (kind, level): (Kind, u32),
         face: u32,
-        (part, j): (Part, u32),
+        (part, j, columns): (Part, u32, Range<u32>),
         simd: Level,
-        out: &mut [Derivatives],
+        (out, at): (&mut displace::Jets, usize),
     ) -> bool {
         let scale = 1.0 / (1_u32 << part.level) as f32;
         let place = |i: u32, k: usize| (part.start[k] + i) as f32 * scale;
         let below = surface.below(kind, level, None);
+        if surface.triangles {
+            let t = place(j, 1);
+            let us = columns.map(|i| place(i, 0) - t);
+            let Some(root) = surface.triangle_channel(kind) else {
+                return false;
+            };
+            let [uu, uv, vv] = &mut out.second;
+            let mut out = JetLines {
+                first: [&mut out.du, &mut out.dv],
+                second: (ORDER > 1).then_some([uu, uv, vv]),
+            };
+            self.triangle_line::<ORDER>((root, below.as_ref()), face, (us, t), simd, &mut out, at);
+            return true;
+        }
         let is_refined = |below: &dyn Descend| {
             below
                 .at(0)
                 .is_some_and(|root| root.first_child(face).is_some())
         };
-        if surface.triangles || below.as_ref().is_some_and(|b| is_refined(b)) {
+        if below.as_ref().is_some_and(|b| is_refined(b)) {
             let t = place(j, 1);
-            for (i, out) in (0..).zip(&mut *out) {
-                // Above the diagonal there is nothing.
-                let s = if surface.triangles {
-                    place(i, 0).max(t)
-                } else {
-                    place(i, 0)
-                };
-                match self.at::<ORDER>(surface, kind, level, face, [s, t]) {
-                    Some(found) => *out = found,
+            for (k, i) in columns.enumerate() {
+                match self.at::<ORDER>(surface, kind, level, face, [place(i, 0), t]) {
+                    Some(found) => found.put::<ORDER>(out, at + k),
                     None => return false,
                 }
             }
@@ -146,10 +169,93 @@ impl Jets {
             }
         };
         self.quad.grid_row::<ORDER>(root, place(j, 1), row);
-        for (i, out) in out.iter_mut().enumerate() {
-            *out = Derivatives::of(row.jet(i), row.corner(i).is_none());
+        let [uu, uv, vv] = &mut out.second;
+        let mut grids = [&mut out.du, &mut out.dv, uu, uv, vv];
+        let orders = if ORDER > 1 { 5 } else { 2 };
+        let all = columns.start as usize..columns.end as usize;
+        for (k, grid) in grids.iter_mut().enumerate().take(orders) {
+            let lines = [&mut grid.x, &mut grid.y, &mut grid.z];
+            for (c, line) in lines.into_iter().enumerate() {
+                let from = &row.derivative(k, c)[all.clone()];
+                line[at..at + from.len()].copy_from_slice(from);
+            }
+        }
+        for i in all.clone().filter(|&i| row.corner(i).is_some()) {
+            for grid in &mut grids[2..] {
+                grid.put(at + i - all.start, [0.0; 3]);
+            }
         }
         true
+    }
+
+    /// A row of a triangle: places `us` on a line of constant `v`.
+    fn triangle_line<const ORDER: u32>(
+        &mut self,
+        (root, below): (TriangleChannel<'_>, Option<&TreeChannel<'_>>),
+        face: u32,
+        (us, v): (impl Iterator<Item = f32>, f32),
+        simd: Level,
+        out: &mut JetLines<'_>,
+        mut at: usize,
+    ) {
+        let (mut line, mut count) = ([0.0; BLOCK_STRIDE], 0);
+        let is_refined = |below: &&TreeChannel<'_>| {
+            DescendTriangles::at(*below, 0).is_some_and(|r| r.first_child(face).is_some())
+        };
+        let Some(below) = below.filter(is_refined) else {
+            for (out, u) in line.iter_mut().zip(us) {
+                *out = u;
+                count += 1;
+            }
+            let of = whole(root, face, [line[0], v]);
+            return self.put_line::<ORDER>(&of, &line[..count], simd, out, at);
+        };
+        // Of the patch that holds the last places, which wait to be evaluated together.
+        let mut waiting: Option<Leaf<TriangleChannel<'_>>> = None;
+        let mut us = us.peekable();
+        while let Some(u) = us.next() {
+            let found = leaf(below, face, u, v, true);
+            let found = found.unwrap_or_else(|| whole(root, face, [u, v]));
+            let goes_on = waiting.as_ref().is_some_and(|w| {
+                (w.depth, w.quad, w.tip) == (found.depth, found.quad, found.tip)
+                    && w.at[1] == found.at[1]
+            });
+            if !goes_on {
+                if let Some(of) = waiting.take() {
+                    self.put_line::<ORDER>(&of, &line[..count], simd, out, at);
+                    at += count;
+                    count = 0;
+                }
+            }
+            line[count] = found.at[0];
+            count += 1;
+            let of = waiting.get_or_insert(found);
+            if us.peek().is_none() {
+                self.put_line::<ORDER>(of, &line[..count], simd, out, at);
+            }
+        }
+    }
+
+    fn put_line<const ORDER: u32>(
+        &mut self,
+        of: &Leaf<TriangleChannel<'_>>,
+        us: &[f32],
+        simd: Level,
+        out: &mut JetLines<'_>,
+        at: usize,
+    ) {
+        if self.ready != Some((of.depth, of.quad)) {
+            self.triangle.prepare(of.channel, of.quad);
+            self.ready = Some((of.depth, of.quad));
+        }
+        let line = (us, of.at[1]);
+        self.triangle
+            .line::<ORDER>(of.channel, line, of.scale, simd, (&mut *out, at));
+        if let Some(second) = out.second.as_mut().filter(|_| of.tip.is_some()) {
+            for grid in second.iter_mut() {
+                (at..at + us.len()).for_each(|k| grid.put(k, [0.0; 3]));
+            }
+        }
     }
 }
 

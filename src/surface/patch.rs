@@ -309,14 +309,45 @@ impl QuadPatch {
             true => Sides::Normals,
             false => sides,
         };
+        self.prepare_limit(
+            surface,
+            q,
+            refined,
+            Wanted {
+                target,
+                level,
+                sides,
+            },
+        );
+    }
+
+    /// Prepares quad `q` for hulls of its parts alone.
+    pub(crate) fn prepare_part_hulls(&mut self, surface: &Surface, q: u32, level: u32) {
+        self.level = level;
+        self.face = q;
+        self.uv_ready = false;
+        self.color_ready = false;
+        self.triangle = surface.triangles;
+        self.prepare_displaced(surface, q, level, Sides::Hull);
+        let wanted = Wanted {
+            target: Target::Limit,
+            level,
+            sides: Sides::None,
+        };
+        self.prepare_limit(surface, q, None, wanted);
+    }
+
+    fn prepare_limit(
+        &mut self,
+        surface: &Surface,
+        q: u32,
+        refined: Option<&RefinedFans>,
+        wanted: Wanted,
+    ) {
+        let Wanted { level, sides, .. } = wanted;
         if refined.is_none() && self.points.prepare_patches(surface, q, level, sides) {
             return;
         }
-        let wanted = Wanted {
-            target,
-            level,
-            sides,
-        };
         self.points
             .prepare(surface, Kind::Points, q, refined, wanted);
     }

@@ -473,7 +473,8 @@ fn displaced_blocks_are_diced_about_once() {
             stats.diced as f64 / distinct,
             stats.diced_in_setup as f64 / distinct
         );
-        assert!(stats.diced as f64 <= 2.0 * distinct);
+        let all = (stats.diced + stats.diced_in_setup) as f64;
+        assert!(all <= 2.75 * distinct);
     }
 }
 

@@ -158,6 +158,12 @@ impl Row {
         }
     }
 
+    /// Component `c` of derivative `k` along the row: du, dv, duu, duv, dvv.
+    pub(crate) fn derivative(&self, k: usize, c: usize) -> &[f32] {
+        let n = self.columns.len();
+        &self.lines[(3 * (k + 1) + c) * (n + PAD)..][..n]
+    }
+
     /// All of it at place `i`.
     pub(crate) fn jet(&self, i: usize) -> Jet {
         let l = self.lines();

@@ -25,7 +25,7 @@ mod wide;
 
 pub(crate) use self::{
     control::{DescendTriangles, TriangleView},
-    evaluate::{TriangleEvaluator, TriangleRow, leaf},
+    evaluate::{JetLines, TriangleEvaluator, TriangleRow, leaf},
     fans::{TriangleFans, TriangleMasks},
     patch::{TriangleChannel, TrianglePatch},
     ring::is_regular,

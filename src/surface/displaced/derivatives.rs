@@ -1,9 +1,13 @@
 //! Derivatives as displacement wants them: of linear faces, by differences on grids, and of the surface by texture coordinates.
 
+use super::layout::Layout;
+use crate::dice::face::Part;
+use crate::displace::Jets;
 use crate::displace::normal::Bend;
 use crate::records::Grid3;
 use crate::surface::Surface;
 use crate::surface::jets::Derivatives;
+use std::ops::Range;
 
 pub(super) fn bend(d: &Derivatives) -> Bend {
     Bend {
@@ -44,9 +48,11 @@ pub(super) fn linear_derivatives(
     triangle: bool,
     [s, t]: [f32; 2],
 ) -> Derivatives {
-    let Some(c) = surface.linear_corners(face) else {
-        return Derivatives::default();
-    };
+    let corners = surface.linear_corners(face);
+    corners.map_or_else(Derivatives::default, |c| linear_of(&c, triangle, [s, t]))
+}
+
+fn linear_of(c: &[[f32; 3]; 4], triangle: bool, [s, t]: [f32; 2]) -> Derivatives {
     let along = |a: usize, b: usize| [0, 1, 2].map(|k| c[b][k] - c[a][k]);
     let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|k| a[k] * (1.0 - t) + b[k] * t);
     let (du, dv) = match triangle {
@@ -64,25 +70,36 @@ pub(super) fn linear_derivatives(
     }
 }
 
-/// Derivatives of surfaces that have no formula: differences of the grid.
-pub(super) fn differences(grid: &Grid3, j: usize, out: &mut [Derivatives]) {
-    let last = out.len() - 1;
+/// Derivatives of linear texture coordinates along a row of a part, from place `at` of `out` on.
+pub(super) fn linear_rows(
+    corners: &[[f32; 3]; 4],
+    triangle: bool,
+    (part, j, columns): (Part, u32, Range<u32>),
+    (out, at): (&mut Jets, usize),
+) {
+    let scale = 1.0 / (1_u32 << part.level) as f32;
+    let t = (part.start[1] + j) as f32 * scale;
+    for (k, i) in (at..).zip(columns) {
+        let s = (part.start[0] + i) as f32 * scale;
+        linear_of(corners, triangle, [s, t]).put::<1>(out, k);
+    }
+}
+
+/// Derivatives of surfaces that have no formula: differences of the packed grid, along row `j`.
+pub(super) fn differences(layout: Layout, grid: &Grid3, j: usize, out: &mut Jets) {
+    let last = layout.rows().end - 1;
     let step = |k: usize| (k.saturating_sub(1), (k + 1).min(last));
-    for (i, out) in out.iter_mut().enumerate() {
+    let get = |i: usize, j: usize| grid.at(layout.place([i, j]));
+    for i in layout.columns(j) {
         let ((i0, i1), (j0, j1)) = (step(i), step(j));
         let between = |a: [f32; 3], b: [f32; 3], steps: usize| {
             [0, 1, 2].map(|k| (b[k] - a[k]) / steps.max(1) as f32)
         };
-        out.du = between(grid.get(i0, j), grid.get(i1, j), i1 - i0);
-        out.dv = between(grid.get(i, j0), grid.get(i, j1), j1 - j0);
-        out.second = Default::default();
-    }
-}
-
-/// Repeats the diagonal above it.
-pub(super) fn fold(grid: &mut Grid3, side: usize) {
-    for j in 1..side {
-        let p = grid.get(j, j);
-        (0..j).for_each(|i| grid.set(i, j, p));
+        let found = Derivatives {
+            du: between(get(i0, j), get(i1, j), i1 - i0),
+            dv: between(get(i, j0), get(i, j1), j1 - j0),
+            second: Default::default(),
+        };
+        found.put::<2>(out, layout.place([i, j]));
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::dice::evaluate::{F4, Jet};
 use crate::dice::point::D4;
+use std::ops::{Add, Mul};
 
 /// One piece by its monomial coefficients, relative to an origin.
 #[derive(Clone, Copy, Debug)]
@@ -28,10 +29,12 @@ pub(super) struct Curve {
     bend: [F4; 2],
 }
 
-/// Value, first derivative and half the second one of a polynomial at `x`, by Horner's rule.
+/// Value, first derivative and half the second one of a polynomial at `x`, by Horner's rule: of points, or of one component in lanes.
 #[inline(always)]
-fn horner<const ORDER: u32, const N: usize>(c: &[F4; N], x: F4) -> [F4; 3] {
-    let zero = F4::splat(0.0);
+fn horner<const ORDER: u32, const N: usize, T>(c: &[T; N], x: T, zero: T) -> [T; 3]
+where
+    T: Copy + Add<Output = T> + Mul<Output = T>,
+{
     let (mut p, mut d, mut e) = (c[N - 1], zero, zero);
     for k in (0..N - 1).rev() {
         if ORDER > 1 && k + 3 == N {
@@ -92,9 +95,9 @@ impl Patch {
 
     #[inline(always)]
     pub(super) fn curve<const ORDER: u32>(&self, v: f32) -> Curve {
-        let v = F4::splat(v);
-        let [a, da, dda] = horner::<ORDER, 5>(&self.c0, v);
-        let [b, db, ddb] = horner::<ORDER, 4>(&self.c1, v);
+        let (v, zero) = (F4::splat(v), F4::splat(0.0));
+        let [a, da, dda] = horner::<ORDER, 5, F4>(&self.c0, v, zero);
+        let [b, db, ddb] = horner::<ORDER, 4, F4>(&self.c1, v, zero);
         Curve {
             origin: self.origin,
             value: [
@@ -125,22 +128,81 @@ impl Curve {
 
     #[inline(always)]
     fn at<const ORDER: u32>(&self, u: f32) -> Jet {
-        let u = F4::splat(u);
-        let [value, du, duu] = horner::<ORDER, 5>(&self.value, u);
+        let (u, zero) = (F4::splat(u), F4::splat(0.0));
+        let [value, du, duu] = horner::<ORDER, 5, F4>(&self.value, u, zero);
         let mut jet = Jet::at(self.origin + value);
         if ORDER > 0 {
             let [dv, duv, _] = if ORDER > 1 {
-                horner::<1, 4>(&self.slope, u)
+                horner::<1, 4, F4>(&self.slope, u, zero)
             } else {
-                horner::<0, 4>(&self.slope, u)
+                horner::<0, 4, F4>(&self.slope, u, zero)
             };
             (jet.du, jet.dv) = (du, dv);
             if ORDER > 1 {
-                let [dvv, ..] = horner::<0, 2>(&self.bend, u);
+                let [dvv, ..] = horner::<0, 2, F4>(&self.bend, u, zero);
                 jet.duv = duv;
                 (jet.duu, jet.dvv) = (duu + duu, dvv + dvv);
             }
         }
         jet
+    }
+}
+
+/// Component `c` of coefficients.
+#[inline(always)]
+fn component<const N: usize>(of: &[F4; N], c: usize) -> [f32; N] {
+    let mut out = [0.0; N];
+    for k in 0..N {
+        out[k] = of[k].0[c];
+    }
+    out
+}
+
+impl Curve {
+    /// Component `c` of the first derivatives at the places `u`, by parameters twice scaled: the sums of [`Curve::jet`], in lanes.
+    #[inline(always)]
+    pub(super) fn first(
+        &self,
+        c: usize,
+        u: &[f32],
+        scales: [f32; 2],
+        du: &mut [f32],
+        dv: &mut [f32],
+    ) {
+        let (value, slope) = (component(&self.value, c), component(&self.slope, c));
+        let n = u.len();
+        let (du, dv) = (&mut du[..n], &mut dv[..n]);
+        for i in 0..n {
+            let [_, a, _] = horner::<1, 5, f32>(&value, u[i], 0.0);
+            let [b, ..] = horner::<0, 4, f32>(&slope, u[i], 0.0);
+            du[i] = (a * scales[0]) * scales[1];
+            dv[i] = (b * scales[0]) * scales[1];
+        }
+    }
+
+    /// The same of the second ones: by u twice, by both, by v twice.
+    #[inline(always)]
+    pub(super) fn second(
+        &self,
+        c: usize,
+        u: &[f32],
+        scales: [f32; 2],
+        duu: &mut [f32],
+        duv: &mut [f32],
+        dvv: &mut [f32],
+    ) {
+        let (value, slope) = (component(&self.value, c), component(&self.slope, c));
+        let bend = component(&self.bend, c);
+        let (first, last) = (scales[0] * scales[0], scales[1] * scales[1]);
+        let n = u.len();
+        let (duu, duv, dvv) = (&mut duu[..n], &mut duv[..n], &mut dvv[..n]);
+        for i in 0..n {
+            let [_, _, a] = horner::<2, 5, f32>(&value, u[i], 0.0);
+            let [_, b, _] = horner::<1, 4, f32>(&slope, u[i], 0.0);
+            let [d, ..] = horner::<0, 2, f32>(&bend, u[i], 0.0);
+            duu[i] = ((a + a) * first) * last;
+            duv[i] = (b * first) * last;
+            dvv[i] = ((d + d) * first) * last;
+        }
     }
 }

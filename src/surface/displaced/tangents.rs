@@ -1,0 +1,115 @@
+//! Derivatives of the limit surface at the points of a part: what its normals are made of, and what tilts normals pixel by pixel.
+
+use super::derivatives::{differences, linear_rows};
+use super::layout::Layout;
+use super::{DisplacedPatch, Rows};
+use crate::control::Kind;
+use crate::dice::face::Part;
+use crate::displace::Around;
+use crate::records::Grid3;
+use crate::surface::Surface;
+
+impl DisplacedPatch {
+    /// Leaves in `rows` the derivatives at the points of a part, from its packed limit points and texture coordinates.
+    pub(super) fn derivatives(
+        &self,
+        surface: &Surface,
+        (part, layout): (Part, Layout),
+        points: &Grid3,
+        uvs: &Grid3,
+        rows: &mut Rows,
+    ) {
+        let Rows {
+            own,
+            points: out,
+            uvs: by,
+        } = rows;
+        let [own, own_uv] = own;
+        for j in layout.rows() {
+            let columns = layout.columns(j);
+            let columns = columns.start as u32..columns.end as u32;
+            let at = layout.first(j);
+            let row = (part, j as u32, columns.clone());
+            let of = (Kind::Points, self.level);
+            if !own.row::<2>(surface, of, self.face, row.clone(), self.simd, (out, at)) {
+                differences(layout, points, j, out);
+            }
+            if !self.has_uvs {
+                continue;
+            }
+            if surface.has_linear_uvs() {
+                let corners = surface.linear_corners(self.face).unwrap_or_default();
+                linear_rows(&corners, self.triangle, row, (by, at));
+            } else {
+                let of = (Kind::Uvs, self.level);
+                if !own_uv.row::<1>(surface, of, self.face, row, self.simd, (by, at)) {
+                    differences(layout, uvs, j, by);
+                }
+            }
+        }
+    }
+
+    /// Leaves in `out` the vectors by which slopes of the map tilt normals, at the points of a part: limit points and normals, and texture
+    /// coordinates.
+    pub(in crate::surface) fn tilts(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        limit: [&Grid3; 3],
+        out: [&mut Grid3; 2],
+    ) {
+        let Some(on) = self.on.clone() else { return };
+        self.each_around(surface, part, limit, out, |around| {
+            let (height, _) = on.displacement.slope_at(around.position, around.uv);
+            on.displacement.tilts(around, height)
+        });
+    }
+
+    /// Leaves in `out` the derivatives of the limit surface by its texture coordinates.
+    pub(in crate::surface) fn tangents(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        limit: [&Grid3; 3],
+        out: [&mut Grid3; 2],
+    ) {
+        self.each_around(surface, part, limit, out, |around| {
+            around.bend.by_uv(around.uv_by)
+        });
+    }
+
+    /// Leaves in `out` what `of` says of the limit surface around the points of a part.
+    fn each_around(
+        &mut self,
+        surface: &Surface,
+        part: Part,
+        [points, normals, uvs]: [&Grid3; 3],
+        [first, second]: [&mut Grid3; 2],
+        of: impl Fn(&Around) -> [[f32; 3]; 2],
+    ) {
+        let layout = Layout::of(part, self.triangle);
+        let mut work = self.work.take().unwrap_or_default();
+        layout.pack(points, &mut work.limits);
+        layout.pack(normals, &mut work.normals);
+        layout.pack(uvs, &mut work.uvs);
+        // Texture coordinates are read, whatever is displaced by.
+        let has_uvs = std::mem::replace(&mut self.has_uvs, true);
+        self.derivatives(
+            surface,
+            (part, layout),
+            &work.limits,
+            &work.uvs,
+            &mut work.rows,
+        );
+        self.has_uvs = has_uvs;
+        let limit = work.rows.limit([&work.limits, &work.normals, &work.uvs]);
+        for k in 0..layout.count() {
+            let [a, b] = of(&limit.around(k));
+            work.points.put(k, a);
+            work.moved.put(k, b);
+        }
+        layout.unpack(&work.points, first);
+        layout.unpack(&work.moved, second);
+        self.work = Some(work);
+    }
+}
