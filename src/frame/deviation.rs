@@ -159,10 +159,10 @@ impl Renderer {
                     for block in all.filter(|&b| source.has_block(b)) {
                         source.dice(&mut scratch, item, block, &mut grid, None);
                         let size = source.block_size(item);
-                        let (quad, places) = source.places(item, block);
+                        let places = source.places(item, block);
                         let at = |k: usize| grid.get(k % size.cols, k / size.cols);
                         out.push(DrawnBlock {
-                            quad: (object as u32, quad),
+                            quad: (object as u32, source.quad(item)),
                             level: source.level(item),
                             columns: size.cols,
                             points: (0..places.len()).map(at).collect(),
@@ -198,17 +198,18 @@ impl Worker {
         }
         let object = frame.sources.iter().position(|s| std::ptr::eq(s, source));
         let object = object.unwrap_or(0) as u32;
+        let quad = source.quad(local);
+        if !quad.is_multiple_of(every) {
+            return found;
+        }
         let capped = source.level(local) >= cap;
         let [nu, nv] = source.blocks(local);
         for block in (0..nu * nv).map(|b| [b % nu, b / nu]) {
-            if !source.places(local, block).0.is_multiple_of(every) {
-                continue;
-            }
             let mut out = Deviation::default();
             let a = Some(&mut self.attributes);
             source.dice(&mut self.scratch, local, block, &mut self.points, a);
             let size = source.block_size(local);
-            let (quad, places) = source.places(local, block);
+            let places = source.places(local, block);
             let place = |i: usize, j: usize| places[j * size.cols + i];
             let surface = &source.object.surface;
             let Some(mut evaluator) = surface.face_evaluator(surface.cage_face(quad)) else {

@@ -314,10 +314,18 @@ impl<'a> Source<'a> {
             .sum()
     }
 
-    /// The quad that a block shows, and the parameters of its points in it, row by row.
-    pub(super) fn places(&self, item: u32, [bu, bv]: [u32; 2]) -> (u32, Vec<[f32; 2]>) {
+    /// The quad that a local item shows.
+    pub(super) fn quad(&self, item: u32) -> u32 {
+        match &self.tessellation {
+            Some(t) => t.leaves[item as usize].quad,
+            None => item,
+        }
+    }
+
+    /// The parameters of a block's points in its quad, row by row.
+    pub(super) fn places(&self, item: u32, [bu, bv]: [u32; 2]) -> Vec<[f32; 2]> {
         if let Some(t) = &self.tessellation {
-            return (t.leaves[item as usize].quad, leaf::places(t, item));
+            return leaf::places(t, item);
         }
         let size = self.block_size(item);
         let scale = 1.0 / (1_u32 << self.quad_level()) as f32;
@@ -325,7 +333,7 @@ impl<'a> Source<'a> {
         let all = (0..size.rows).flat_map(|j| {
             (0..size.cols).map(move |i| [at(bu, size.cols, i), at(bv, size.rows, j)])
         });
-        (item, all.collect())
+        all.collect()
     }
 
     fn prepare(&self, scratch: &mut SourceScratch, item: u32, sides: Sides) {
