@@ -217,6 +217,17 @@ impl Displacement {
         }
     }
 
+    /// Bounds of the heights where texture coordinates are within bounds; none of a caller's rule.
+    pub(crate) fn heights_in(&self, [low, high]: [[f32; 2]; 2]) -> Option<[f32; 2]> {
+        let values = match &self.kind {
+            Kind::Map(map) => map.range_in(low, high),
+            Kind::Function(function) => [-function.most(), function.most()],
+            Kind::Vector { .. } => return None,
+        };
+        let [a, b] = values.map(|x| self.height(x));
+        Some([a.min(b), a.max(b)])
+    }
+
     /// Displaces the first `count` points of the component arrays. `directions` are those along which points move: unit normals but at creases.
     /// Leaves what normals need in `heights`.
     pub(crate) fn all(

@@ -351,6 +351,12 @@ impl<'a> Source<'a> {
         self.tessellation.is_some() && self.object.surface.displacement().is_some()
     }
 
+    /// What items have in common that are prepared together: object and quad.
+    pub(super) fn group(&self, item: u32) -> (u32, u32) {
+        let quad = (self.tessellation.as_ref()).map_or(item, |t| t.leaves[item as usize].quad);
+        (self.first_item, quad)
+    }
+
     /// Corners of the box of what is drawn of a local item with a wide hull: the price is to dice it.
     pub(super) fn drawn_box(
         &self,
