@@ -135,8 +135,8 @@ struct Queued {
     rank: u32,
     /// Bits of its nearest depth.
     nearest: u32,
-    /// Of displaced blocks, bits of the nearest depth of their face's and rank of the first: preparing a face costs as much as some of its
-    /// blocks, so they follow each other.
+    /// Bits of the nearest depth, and rank of the first, of the displaced blocks of a deep face: preparing it costs as much as a block, so
+    /// they follow each other. Else its own.
     group: (u32, u32),
 }
 
@@ -212,7 +212,7 @@ fn queue(frame: &Frame<'_>, items: &[u32], s: &mut Scratch) -> bool {
             nearest,
             group: (nearest, ranks as u32),
         });
-        let face = (source.has_wide_hulls()).then(|| source.group(item - source.first_item));
+        let face = source.group(item - source.first_item);
         if face.is_none() || face != last {
             (last, leader) = (face, s.queue.len() - 1);
         }
