@@ -36,8 +36,10 @@ fn direction(h: u32) -> [f32; 3] {
     let first_x = h < 8;
     let second_y = h < 4;
     let second_x = !second_y && (h == 12 || h == 14);
-    let x = if first_x { a } else { 0.0 } + if second_x { b } else { 0.0 };
-    let y = if first_x { 0.0 } else { a } + if second_y { b } else { 0.0 };
+    let other_x = if second_x { b } else { 0.0 };
+    let x = if first_x { a } else { other_x };
+    let other_y = if second_y { b } else { 0.0 };
+    let y = if first_x { other_y } else { a };
     let z = if second_y || second_x { 0.0 } else { b };
     [x, y, z]
 }

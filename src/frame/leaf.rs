@@ -217,17 +217,20 @@ pub(super) fn hull(
         return;
     }
     let reach = u32::from(leaf.reach);
-    match displaced {
-        true => scratch.prepare_part_hulls(surface, leaf.quad, reach),
-        false => scratch.prepare(surface, leaf.quad, reach, Sides::None),
+    if displaced {
+        scratch.prepare_part_hulls(surface, leaf.quad, reach);
+        let patch = &scratch.patch;
+        patch.displaced_hull(surface, part(leaf), |p| out.push(p));
+    } else {
+        scratch.prepare(surface, leaf.quad, reach, Sides::None);
+        scratch.patch.part_hull(part(leaf), |p| out.push(p));
     }
-    scratch.patch.part_hull(part(leaf), |p| out.push(p));
     let mut last = None;
     for &to in tessellation.moves(item as usize) {
         if inside(leaf, to).is_none() && last != Some(to.to) {
             let SourceScratch { patch, spare, .. } = &mut *scratch;
             if displaced {
-                patch.part_hull(target(leaf, to), |p| out.push(p));
+                patch.displaced_hull(surface, target(leaf, to), |p| out.push(p));
             } else {
                 patch.dice_part(surface, target(leaf, to), &mut spare.first, None);
                 out.push(spare.first.get(0, 0));

@@ -359,6 +359,13 @@ impl<'a> Source<'a> {
         self.tessellation.is_some() && self.object.surface.displacement().is_some()
     }
 
+    /// Object and quad, if this is so deep that preparing it costs about as much as a block of it.
+    pub(super) fn group(&self, item: u32) -> Option<(u32, u32)> {
+        const DEEP: u8 = 7;
+        let leaf = &self.tessellation.as_ref()?.leaves[item as usize];
+        (self.has_wide_hulls() && leaf.reach >= DEEP).then_some((self.first_item, leaf.quad))
+    }
+
     /// Corners of the box of what is drawn of a local item with a wide hull: the price is to dice it.
     pub(super) fn drawn_box(
         &self,

@@ -16,6 +16,7 @@ use crate::raster::{Key, PairedBlock, PixelBox, ProjectedBlock, Tile, bounds, pr
 use crate::records::{Grid3, SampleId};
 use crate::shade::{ShadeMode, SurfacePoint};
 use crate::simd::Level;
+use std::cmp::Reverse;
 use std::sync::OnceLock;
 
 /// A block that was drawn into the tile; its place in the list is its rank.
@@ -134,6 +135,9 @@ struct Queued {
     rank: u32,
     /// Bits of its nearest depth.
     nearest: u32,
+    /// Bits of the nearest depth, and rank of the first, of the displaced blocks of a deep face: preparing it costs as much as a block, so
+    /// they follow each other. Else its own.
+    group: (u32, u32),
 }
 
 /// Draws one tile; its RGBA8 rows are in [`Scratch::pixels`] then. Returns the number of pixels with something in them.
@@ -197,6 +201,7 @@ pub(super) fn rasterise(frame: &Frame<'_>, tile: usize, rect: [u32; 4], s: &mut 
 fn queue(frame: &Frame<'_>, items: &[u32], s: &mut Scratch) -> bool {
     s.queue.clear();
     let mut ranks = 0_u64;
+    let (mut last, mut leader) = (None, 0);
     for &item in items {
         let source = frame.source_of(item);
         let [nu, nv] = source.blocks(item - source.first_item);
@@ -205,16 +210,34 @@ fn queue(frame: &Frame<'_>, items: &[u32], s: &mut Scratch) -> bool {
             item,
             rank: ranks as u32,
             nearest,
+            group: (nearest, ranks as u32),
         });
+        let face = source.group(item - source.first_item);
+        if face.is_none() || face != last {
+            (last, leader) = (face, s.queue.len() - 1);
+        }
+        let group = &mut s.queue[leader].group;
+        group.0 = group.0.max(nearest);
+        let rank = group.1;
+        if let Some(own) = s.queue.last_mut() {
+            own.group.1 = rank;
+        }
         ranks += u64::from(nu) * u64::from(nv);
         if ranks > u64::from(SampleId::MAX_BLOCKS) {
             return false;
         }
     }
+    let mut group = (0, 0);
+    for q in &mut s.queue {
+        if q.group.1 == q.rank {
+            group = q.group;
+        }
+        q.group = group;
+    }
     s.drawn.resize(ranks as usize, Drawn::default());
     // Depths are positive: their bits have their order.
     s.queue
-        .sort_unstable_by_key(|q| (std::cmp::Reverse(q.nearest), q.rank));
+        .sort_unstable_by_key(|q| (Reverse(q.group.0), q.group.1, Reverse(q.nearest), q.rank));
     true
 }
 

@@ -220,12 +220,10 @@ impl Jets {
                 (w.depth, w.quad, w.tip) == (found.depth, found.quad, found.tip)
                     && w.at[1] == found.at[1]
             });
-            if !goes_on {
-                if let Some(of) = waiting.take() {
-                    self.put_line::<ORDER>(&of, &line[..count], simd, out, at);
-                    at += count;
-                    count = 0;
-                }
+            if !goes_on && let Some(of) = waiting.take() {
+                self.put_line::<ORDER>(&of, &line[..count], simd, out, at);
+                at += count;
+                count = 0;
             }
             line[count] = found.at[0];
             count += 1;

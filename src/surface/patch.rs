@@ -335,6 +335,13 @@ impl QuadPatch {
             sides: Sides::None,
         };
         self.prepare_limit(surface, q, None, wanted);
+        let reads_uvs = |d: &mut Box<DisplacedPatch>| d.reads_uvs();
+        if self.displaced.get_mut().as_mut().is_some_and(reads_uvs) {
+            self.linear = surface.linear_corners(q).filter(|_| surface.linear_uv);
+            if self.linear.is_none() {
+                self.uvs.prepare(surface, Kind::Uvs, q, None, wanted);
+            }
+        }
     }
 
     fn prepare_limit(
@@ -600,6 +607,60 @@ impl QuadPatch {
             (true, None) => self.uvs.side_samples(c).0,
         };
         displaced.displace_side(surface, c, points, normals, &uvs);
+    }
+
+    /// Corners of a box that holds a part wherever it is displaced, which must be prepared for that.
+    pub(crate) fn displaced_hull(
+        &self,
+        surface: &Surface,
+        part: Part,
+        mut out: impl FnMut([f32; 3]),
+    ) {
+        let [mut low, mut high] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        self.points.part_hull(part, |p| {
+            low = [0, 1, 2].map(|k| low[k].min(p[k]));
+            high = [0, 1, 2].map(|k| high[k].max(p[k]));
+        });
+        let far = [[-self.reach; 3], [self.reach; 3]];
+        let [down, up] = self.moves(surface, part).unwrap_or(far);
+        let slack = 1e-4 * self.reach;
+        low = [0, 1, 2].map(|k| low[k] + down[k] - slack);
+        high = [0, 1, 2].map(|k| high[k] + up[k] + slack);
+        for c in 0..8 {
+            out([0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] }));
+        }
+    }
+
+    /// Bounds of the vectors by which the points of a part move, if more is known than how long they are at most.
+    fn moves(&self, surface: &Surface, part: Part) -> Option<[[f32; 3]; 2]> {
+        let displacement = surface.displacement()?;
+        let kept = self.displaced.borrow();
+        let patch = kept.as_deref()?;
+        let elsewhere = patch.plain_corners(surface, part)?;
+        let normals = match self.points.by {
+            By::Triangle => self.points.triangle.part_normals(part)?,
+            By::Quad | By::Table | By::Patches => return None,
+        };
+        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        let mut hold = |uv: [f32; 3]| {
+            low = [0, 1].map(|k| low[k].min(uv[k]));
+            high = [0, 1].map(|k| high[k].max(uv[k]));
+        };
+        if patch.reads_uvs() {
+            match &self.linear {
+                Some(of) => of.iter().for_each(|&uv| hold(uv)),
+                None => self.uvs.part_hull(part, &mut hold),
+            }
+            elsewhere.into_iter().for_each(hold);
+        }
+        let heights = displacement.heights_in([low, high])?;
+        let mut out = [[0.0; 3]; 2];
+        for k in 0..3 {
+            let all = [0, 1, 2, 3].map(|c| heights[c & 1] * normals[c >> 1][k]);
+            out[0][k] = all[1..].iter().fold(all[0], |x, &y| x.min(y));
+            out[1][k] = all[1..].iter().fold(all[0], |x, &y| x.max(y));
+        }
+        Some(out)
     }
 
     /// Points whose convex hull holds a part.

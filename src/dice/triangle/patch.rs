@@ -11,7 +11,7 @@ use super::super::face::{DiceFault, Part, Sides};
 use super::super::point::P4;
 use super::fans::TriangleFans;
 use super::lattice::Lattice;
-use super::piece::{BlockRange, Piece, Range};
+use super::piece::{BlockRange, Piece, Range, hold};
 use super::place::Place;
 use super::ring::{Hexagon, Near, Window, is_regular, next, prev};
 use super::side::{Strip, irregular_half, regular_half};
@@ -456,23 +456,49 @@ impl TrianglePatch {
         self.part_hull(Part::block(self.level, [bu, bv]), out);
     }
 
-    /// The same for a part.
-    pub(crate) fn part_hull(&self, part: Part, mut out: impl FnMut([f32; 3])) {
+    /// Grid points of a part.
+    fn range(&self, part: Part) -> Range {
         let shift = self.level - part.level;
         let low = part.start.map(|k| (k << shift) as i32);
-        let range = Range {
+        Range {
             low,
             high: low.map(|k| k + (part.segments << shift) as i32),
-        };
+        }
+    }
+
+    /// Bounds of the unit normals at the grid points of a part: the least and greatest components, if they are known.
+    pub(crate) fn part_normals(&self, part: Part) -> Option<[[f32; 3]; 2]> {
+        let range = self.range(part);
+        if self.target != Target::Limit || !self.hull.is_empty() {
+            return None;
+        }
+        let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        for piece in &self.pieces {
+            if let Some(found) = piece.normals_within(range) {
+                let [low, high] = found?;
+                hold(&mut bounds, low);
+                hold(&mut bounds, high);
+            }
+        }
+        self.dots_in(range)
+            .for_each(|d| hold(&mut bounds, d.normal));
+        (bounds[0][0] <= bounds[1][0]).then_some(bounds)
+    }
+
+    fn dots_in(&self, range: Range) -> impl Iterator<Item = &Dot> {
+        self.dots.iter().filter(move |dot| {
+            (0..2).all(|k| (range.low[k]..=range.high[k]).contains(&dot.place[k]))
+        })
+    }
+
+    /// The same for a part.
+    pub(crate) fn part_hull(&self, part: Part, mut out: impl FnMut([f32; 3])) {
+        let range = self.range(part);
         for piece in &self.pieces {
             piece.hull_within(self.target, range, &mut out);
         }
         self.hull.iter().for_each(|p| out(p.xyz()));
-        for dot in &self.dots {
-            if (0..2).all(|k| (range.low[k]..=range.high[k]).contains(&dot.place[k])) {
-                out(dot.point);
-            }
-        }
+        self.dots_in(range).for_each(|d| out(d.point));
     }
 }
 

@@ -280,10 +280,9 @@ impl Piece {
         }
     }
 
-    /// The same for the part between two grid points; nothing where there is none.
-    pub(super) fn hull_within(&self, target: Target, range: Range, out: &mut impl FnMut([f32; 3])) {
+    /// Parameters between two grid points along s and t, in points of the piece's own lattice; none where the piece is not.
+    fn within(&self, range: Range) -> Option<[[i32; 2]; 2]> {
         let origin = self.origin();
-        // Parameters of the range along s and t, in points of the piece's own lattice.
         let [s, t] = [0, 1].map(|k| {
             let low = (range.low[k] - origin[k]).max(0);
             let high = (range.high[k] - origin[k]).min(self.size);
@@ -293,30 +292,90 @@ impl Piece {
                 [low, high]
             }
         });
-        if s[0] > s[1] || t[0] > t[1] || t[0] > s[1] {
-            return;
+        (s[0] <= s[1] && t[0] <= t[1] && t[0] <= s[1]).then_some([s, t])
+    }
+
+    /// The part of the piece between parameters, as Bézier points.
+    fn restricted(&self, range: [[i32; 2]; 2]) -> Tensor {
+        let scale = 1.0 / self.size as f32;
+        let [s, t] = range.map(|r| r.map(|k| k as f32 * scale));
+        let net = expand(&self.net, expansion(Target::Limit, 0));
+        let along: Tensor = std::array::from_fn(|r| restricted(net[r], s));
+        let columns: Tensor =
+            std::array::from_fn(|c| restricted([0, 1, 2, 3, 4].map(|r: usize| along[r][c]), t));
+        std::array::from_fn(|r| std::array::from_fn(|c| columns[c][r]))
+    }
+
+    /// Bounds of the unit normals between two grid points: the least and greatest components. `Some(None)` where there are no good ones,
+    /// `None` where the piece is not.
+    pub(super) fn normals_within(&self, range: Range) -> Option<Option<[[f32; 3]; 2]>> {
+        // Derivatives of nothing are nothing: a line or a point is part of something wider.
+        let widened = self.within(range)?.map(|[low, high]| match low < high {
+            true => [low, high],
+            false => [(low - 1).max(0), (high + 1).min(self.size)],
+        });
+        let net = self.restricted(widened);
+        let none = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        let (mut along, mut across) = (none, none);
+        for r in 0..5 {
+            for c in 0..4 {
+                hold(&mut along, (net[r][c + 1] - net[r][c]).xyz());
+                hold(&mut across, (net[c + 1][r] - net[c][r]).xyz());
+            }
         }
+        Some(unit_within(along, across))
+    }
+
+    /// The same for the part between two grid points; nothing where there is none.
+    pub(super) fn hull_within(&self, target: Target, range: Range, out: &mut impl FnMut([f32; 3])) {
+        let Some([s, t]) = self.within(range) else {
+            return;
+        };
         if target == Target::Refined || (s == [0, self.size] && t == [0, self.size]) {
             self.hull(target, out);
             return;
         }
-        let scale = 1.0 / self.size as f32;
-        let [s, t] = [s, t].map(|r| r.map(|k| k as f32 * scale));
-        let net = expand(&self.net, expansion(Target::Limit, 0));
-        let along: Tensor = std::array::from_fn(|r| restricted(net[r], s));
-        for c in 0..5 {
-            let column = [
-                along[0][c],
-                along[1][c],
-                along[2][c],
-                along[3][c],
-                along[4][c],
-            ];
-            restricted(column, t)
-                .iter()
-                .for_each(|p| out((*p + self.base).xyz()));
-        }
+        let net = self.restricted([s, t]);
+        let all = net.as_flattened().iter();
+        all.for_each(|p| out((*p + self.base).xyz()));
     }
+}
+
+/// Makes bounds hold a vector.
+pub(super) fn hold(bounds: &mut [[f32; 3]; 2], v: [f32; 3]) {
+    bounds[0] = [0, 1, 2].map(|k| bounds[0][k].min(v[k]));
+    bounds[1] = [0, 1, 2].map(|k| bounds[1][k].max(v[k]));
+}
+
+/// Bounds of unit vectors along the cross products of vectors within bounds; none where products may be short of what their factors are.
+fn unit_within(a: [[f32; 3]; 2], b: [[f32; 3]; 2]) -> Option<[[f32; 3]; 2]> {
+    let (mut low, mut high) = ([0.0_f32; 3], [0.0_f32; 3]);
+    for k in 0..3 {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let [first, second] = [[i, j], [j, i]].map(|[x, y]: [usize; 2]| {
+            let all = [
+                a[0][x] * b[0][y],
+                a[0][x] * b[1][y],
+                a[1][x] * b[0][y],
+                a[1][x] * b[1][y],
+            ];
+            let of = |f: fn(f32, f32) -> f32| all[1..].iter().fold(all[0], |x, &y| f(x, y));
+            [of(f32::min), of(f32::max)]
+        });
+        (low[k], high[k]) = (first[0] - second[1], first[1] - second[0]);
+    }
+    let size = |v: [f32; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    let largest = |[low, high]: [[f32; 3]; 2]| size([0, 1, 2].map(|k| f32::max(-low[k], high[k])));
+    let least = size([0, 1, 2].map(|k| low[k].max(-high[k]).max(0.0)));
+    // Also false of what is no number.
+    if !(least > 1e-4 * largest(a) * largest(b) && least > f32::MIN_POSITIVE) {
+        return None;
+    }
+    let (short, long) = (least.sqrt(), largest([low, high]).sqrt());
+    // Normals are rounded, and those of sides are found by other sums.
+    const SLACK: f32 = 1e-3;
+    let above = |x: f32| if x > 0.0 { x / short } else { x / long } + SLACK;
+    Some([low.map(|x| -above(-x)), high.map(above)])
 }
 
 /// Rows of a piece to be diced, in grid points.

@@ -186,3 +186,107 @@ impl DisplacedPatch {
         self.relief = Some(grids);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::dice::face::{Part, Sides};
+    use crate::displace::{Displacement, Function, HeightMap};
+    use crate::records::Grid3;
+    use crate::scheme::Scheme;
+    use crate::surface::{QuadPatch, SurfaceOptions};
+    use crate::{Cage, Surface};
+    use std::sync::Arc;
+
+    /// A torus of triangles with bumps and, where its texture coordinates begin again, seams; `open` leaves a face out.
+    fn torus(m: u32, n: u32, open: bool) -> Cage {
+        let turn = |k: u32, of: u32| k as f32 / of as f32 * std::f32::consts::TAU;
+        let points = (0..m * n).map(|k| {
+            let (a, b) = (turn(k / n, m), turn(k % n, n));
+            let r = 1.0 + (0.4 + 0.1 * libm::sinf(3.0 * a)) * libm::cosf(b);
+            [r * libm::sinf(a), 0.4 * libm::sinf(b), r * libm::cosf(a)]
+        });
+        let uvs = (0..(m + 1) * (n + 1)).map(|k| {
+            [
+                (k / (n + 1)) as f32 / m as f32,
+                (k % (n + 1)) as f32 / n as f32,
+            ]
+        });
+        let (mut corners, mut uv_corners) = (Vec::new(), Vec::new());
+        for (i, j) in (0..m).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let at = |i: u32, j: u32| i % m * n + j % n;
+            let uv = |i: u32, j: u32| i * (n + 1) + j;
+            let quad = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            for c in [0, 1, 2, 0, 2, 3] {
+                corners.push(at(quad[c].0, quad[c].1));
+                uv_corners.push(uv(quad[c].0, quad[c].1));
+            }
+        }
+        if open {
+            corners.truncate(corners.len() - 3);
+            uv_corners.truncate(uv_corners.len() - 3);
+        }
+        let counts = vec![3; corners.len() / 3];
+        let cage = Cage::new(points.collect(), &counts, corners).unwrap();
+        cage.with_uvs(uvs.collect(), uv_corners).unwrap()
+    }
+
+    #[test]
+    fn hulls_hold_what_is_displaced_and_are_narrower_than_what_may_be() {
+        let texels = (0..64 * 64).map(|k: u32| (k.wrapping_mul(0x9e37_79b9) >> 24) as f32 / 255.0);
+        let map = HeightMap::new(64, 64, texels.collect()).unwrap();
+        let noise: Function = "fbm:frequency=5".parse().unwrap();
+        let all = [
+            Displacement::map(Arc::new(map)).scaled(0.1).biased(-0.03),
+            Displacement::function(noise).scaled(0.1),
+        ];
+        let options = SurfaceOptions {
+            scheme: Some(Scheme::Loop),
+            ..SurfaceOptions::default()
+        };
+        const LEVEL: u32 = 6;
+        let (mut grid, mut narrow, mut count) = (Grid3::boxed(), 0, 0);
+        for (displacement, open) in all.iter().flat_map(|d| [(d, false), (d, true)]) {
+            let mut surface = Surface::new(torus(9, 7, open), &options);
+            surface.set_displacement(Some(displacement.clone()));
+            surface.ensure(LEVEL);
+            let (mut hulls, mut diced) = (QuadPatch::default(), QuadPatch::default());
+            for q in 0..surface.quads().face_count() as u32 {
+                hulls.prepare_part_hulls(&surface, q, LEVEL);
+                diced.prepare_points(&surface, q, LEVEL, None, Sides::Points);
+                for (log, segments) in [(0, 0), (0, 1), (3, 8), (5, 32_u32)] {
+                    let blocks = 1_u32 << (LEVEL - log);
+                    for (x, y) in (0..blocks).flat_map(|y| (y..blocks).map(move |x| (x, y))) {
+                        if log == 0 && (x * 7 + y * 3 + q) % 31 != 0 {
+                            continue;
+                        }
+                        let part = Part {
+                            level: LEVEL,
+                            start: [x << log, y << log],
+                            segments,
+                        };
+                        let [mut low, mut high] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+                        hulls.displaced_hull(&surface, part, |p| {
+                            low = [0, 1, 2].map(|k| low[k].min(p[k]));
+                            high = [0, 1, 2].map(|k| high[k].max(p[k]));
+                        });
+                        diced.dice_part(&surface, part, &mut grid, None);
+                        for j in 0..=segments as usize {
+                            for i in 0..=segments as usize {
+                                let p = grid.get(i, j);
+                                assert!(
+                                    (0..3).all(|k| low[k] <= p[k] && p[k] <= high[k]),
+                                    "face {q}, {part:?}: {p:?} beyond {low:?} to {high:?}"
+                                );
+                            }
+                        }
+                        let size = |k: usize| high[k] - low[k];
+                        let most = 2.0 * surface.displacement_reach();
+                        narrow += usize::from((0..3).any(|k| size(k) < most));
+                        count += 1;
+                    }
+                }
+            }
+        }
+        assert!(2 * narrow > count, "{narrow} of {count}");
+    }
+}

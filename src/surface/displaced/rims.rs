@@ -152,6 +152,40 @@ impl DisplacedPatch {
         self.rims[c].uvs = uvs;
     }
 
+    /// Texture coordinates that corners in a part take from elsewhere; none if more than corners do, or move in other directions than their
+    /// normals.
+    pub(in crate::surface) fn plain_corners(
+        &self,
+        surface: &Surface,
+        part: Part,
+    ) -> Option<Vec<[f32; 3]>> {
+        let on = self.on.as_ref()?;
+        let (whole, cut) = (surface.whole_quads(), surface.quads());
+        let uvs = surface.uv_topology().filter(|_| self.has_uvs);
+        let is_plain = |h: u32| {
+            let joined = |t: &Topology| t.twin(h) != NONE;
+            joined(whole) && joined(cut) && uvs.is_none_or(joined)
+        };
+        let moves_freely = on.directions.is_empty() && on.held_edges.is_empty();
+        if !moves_freely
+            || !on.held_vertices.is_empty()
+            || surface.linear
+            || surface.tables.is_some()
+            || !surface.halves_of(self.face).all(is_plain)
+        {
+            return None;
+        }
+        let mut out = Vec::new();
+        if self.has_uvs {
+            let first = surface.halves_of(self.face).start;
+            self.on_corners(part, |c, _| {
+                let fan = whole.fans()[whole.fan(first + c as u32) as usize].first;
+                out.push(surface.uv_limit(fan).unwrap_or_default());
+            });
+        }
+        Some(out)
+    }
+
     /// Calls `put` with every point of a part that lies on a side, corners left out: the side, its number there at the level that is
     /// prepared, and its column and row in the part.
     pub(super) fn on_rims(&self, part: Part, mut put: impl FnMut(usize, u32, [usize; 2])) {
