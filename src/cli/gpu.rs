@@ -55,8 +55,8 @@ mod without {
 #[cfg(feature = "gpu")]
 mod with {
     use super::Drawn;
+    use crate::cli::bench::paper::{CUBES, cube_cage, uniform_rows};
     use crate::cli::bench::{Arguments, Outcome, Published, Row, publish, push};
-    use crate::cli::bench_paper::{CUBES, cube_cage, uniform_rows};
     use crate::cli::exit::{Code, Failure};
     use crate::cli::flags::PictureFlags;
     use crate::cli::job::{Job, print_text};
@@ -257,6 +257,7 @@ mod with {
             faces: stats.faces,
             microtriangles: stats.microtriangles,
             pixels: stats.pixels_covered,
+            ..Outcome::default()
         })
     }
 
@@ -354,6 +355,7 @@ mod with {
             faces: last.faces,
             microtriangles: last.microtriangles,
             pixels: last.pixels_covered,
+            ..Outcome::default()
         })
     }
 }

@@ -3,13 +3,6 @@
 mod aov;
 mod batch;
 mod bench;
-mod bench_calibrate;
-mod bench_cold;
-mod bench_evaluate;
-mod bench_page;
-mod bench_paper;
-mod bench_patches;
-mod bench_scale;
 mod compare;
 mod displace;
 mod draw;

@@ -2,6 +2,7 @@
 
 use crate::harness::{Folder, asset, code, earmark, run, stderr, stdout};
 use std::fs;
+use std::path::Path;
 
 #[test]
 fn bench_reports_rows_with_the_total_first() {
@@ -73,6 +74,10 @@ fn suites_with_their_own_work_take_no_model() {
     }
     let out = run(&["bench", "frame", "--page", "page.html"]);
     assert_eq!(code(&out), 2);
+    let out = run(&["bench", "scale", "--page", "same", "--stats", "same"]);
+    assert_eq!(code(&out), 2);
+    assert!(stderr(&out).contains("--page and --stats are the same"));
+    assert!(!Path::new("same").exists());
 }
 
 /// They would measure the processor and say nothing of it.

@@ -1,6 +1,6 @@
 //! The page of `bench scale --page`: a plot of each curve, both axes logarithmic, with the slope between its points.
 
-use super::bench_scale::Curve;
+use super::scale::Curve;
 use std::fmt::Write;
 
 const WIDTH: f64 = 640.0;
@@ -118,8 +118,9 @@ fn plot(curve: &Curve) -> String {
 
 /// Slopes of wall time between neighbouring points, on logarithmic axes.
 pub(super) fn slopes(curve: &Curve) -> Vec<f64> {
-    let slope =
-        |w: &[(f64, super::stats::Time)]| (w[1].1.wall / w[0].1.wall).ln() / (w[1].0 / w[0].0).ln();
+    let slope = |w: &[(f64, crate::cli::stats::Time)]| {
+        (w[1].1.wall / w[0].1.wall).ln() / (w[1].0 / w[0].0).ln()
+    };
     curve.points.windows(2).map(slope).collect()
 }
 
@@ -170,8 +171,8 @@ pub(super) fn page(title: &str, curves: &[Curve]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stats::Time;
     use super::*;
+    use crate::cli::stats::Time;
 
     #[test]
     fn a_page_holds_every_point_and_its_slope() {

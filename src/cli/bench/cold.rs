@@ -1,9 +1,9 @@
 //! `earmark bench cold`: `earmark render` as its users start it, a fresh process each time, from the model's file to the PNG's.
 
-use super::bench::{Arguments, Outcome, push};
-use super::exit::{Code, Failure};
-use super::job::Job;
-use super::stats::Time;
+use super::{Arguments, Outcome, push};
+use crate::cli::exit::{Code, Failure};
+use crate::cli::job::Job;
+use crate::cli::stats::Time;
 use earmark::Cage;
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -82,12 +82,7 @@ fn number(report: &serde_json::Value, key: &str) -> u64 {
     report[key].as_u64().unwrap_or(0)
 }
 
-pub(super) fn cold(
-    job: &Job,
-    a: &Arguments,
-    built_in: &Cage,
-    peak: &mut u64,
-) -> Result<Outcome, Failure> {
+pub(super) fn cold(job: &Job, a: &Arguments, built_in: &Cage) -> Result<Outcome, Failure> {
     if a.model_path.as_deref() == Some(Path::new("-")) {
         return Err(Failure::usage(
             "bench cold reads its model again and again: it needs a file",
@@ -108,7 +103,7 @@ pub(super) fn cold(
     let failed = |e: std::io::Error| Failure::new(Code::Io, format!("cannot start: {e}"));
     let program = std::env::current_exe().map_err(failed)?;
     let (picture, stats) = (folder.0.join("out.png"), folder.0.join("stats.json"));
-    let mut rows = Vec::new();
+    let (mut rows, mut peak) = (Vec::new(), 0);
     let mut last = serde_json::Value::Null;
     for _ in 0..a.repeat {
         limits.check()?;
@@ -140,12 +135,15 @@ pub(super) fn cold(
         let cpu = last["cpu_ms"].as_f64().unwrap_or(0.0);
         let items = |_: &str| 1;
         push(&mut rows, "total", Time { wall, cpu }, &items);
-        *peak = (*peak).max(number(&last, "peak_bytes"));
+        peak = peak.max(number(&last, "peak_bytes"));
     }
     Ok(Outcome {
         rows,
         faces: number(&last, "faces"),
         microtriangles: number(&last, "microtriangles"),
         pixels: number(&last, "pixels_covered"),
+        peak_bytes: Some(peak),
+        lines: format!("peak {:.1} MB\n", peak as f64 / 1e6),
+        ..Outcome::default()
     })
 }

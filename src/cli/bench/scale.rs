@@ -1,10 +1,10 @@
 //! `earmark bench scale`: what a frame costs against triangles, threads and samples.
 
-use super::bench::{Arguments, Outcome, Row, push, summary};
-use super::draw;
-use super::exit::Failure;
-use super::job::{Job, pool_of};
-use super::stats::{Clock, Time};
+use super::{Arguments, Outcome, Row, push, summary};
+use crate::cli::draw;
+use crate::cli::exit::Failure;
+use crate::cli::job::{Job, pool_of};
+use crate::cli::stats::{Clock, Time};
 use earmark::dice::MAX_LEVEL;
 use earmark::frame::{Refinement, Renderer};
 use earmark::{Scene, camera::View};
@@ -92,17 +92,13 @@ impl Suite<'_> {
 }
 
 /// Measures all three; levels end at `--level` (default 9), or where a frame takes seconds.
-pub(super) fn scale(
-    job: &Job,
-    a: &Arguments,
-    scene: &Scene,
-    curves: &mut Vec<Curve>,
-) -> Result<Outcome, Failure> {
+pub(super) fn scale(job: &Job, a: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
     let camera = a.picture.camera().relative_to(draw::origin(scene));
     let mut renderer = a.picture.renderer(&a.level);
     renderer.limits = job.limits();
     renderer.refinement = Refinement::Uniform(0);
     let warm = renderer.render(scene, &camera)?;
+    let mut curves = Vec::new();
     let mut suite = Suite {
         job,
         a,
@@ -154,5 +150,7 @@ pub(super) fn scale(
         faces: scene.face_count() as u64,
         microtriangles: triangles,
         pixels: warm.stats.pixels_covered,
+        curves,
+        ..Outcome::default()
     })
 }

@@ -1,10 +1,10 @@
 //! `earmark bench calibrate`: how fast this machine is beside the one that figures are quoted for, from two fixed pieces of work on one
 //! thread: 10^9 multiplications with as many additions, not fused, and a copy of 256 MB.
 
-use super::bench::{Arguments, Outcome, push};
-use super::exit::Failure;
-use super::job::Job;
-use super::stats::{Clock, Json};
+use super::{Arguments, Outcome, push};
+use crate::cli::exit::Failure;
+use crate::cli::job::Job;
+use crate::cli::stats::{Clock, Json};
 use earmark::dispatch;
 use earmark::simd::LANES;
 use std::hint::black_box;
@@ -35,7 +35,7 @@ fn multiply_add(start: f32) -> f32 {
 }
 
 /// Times of both, and how many times the reference's they are: the geometric mean of the two.
-pub(super) fn calibrate(job: &Job, a: &Arguments, factor: &mut f64) -> Result<Outcome, Failure> {
+pub(super) fn calibrate(job: &Job, a: &Arguments) -> Result<Outcome, Failure> {
     let limits = job.limits();
     limits.memory("the copy", 2 * COPIED as u128)?;
     let from = vec![1_u8; COPIED];
@@ -62,23 +62,13 @@ pub(super) fn calibrate(job: &Job, a: &Arguments, factor: &mut f64) -> Result<Ou
         push(&mut rows, "copy", copy, &items);
         best = [best[0].min(arithmetic.wall), best[1].min(copy.wall)];
     }
-    *factor = ((best[0] / REFERENCE[0]) * (best[1] / REFERENCE[1])).sqrt();
+    let factor = ((best[0] / REFERENCE[0]) * (best[1] / REFERENCE[1])).sqrt();
     Ok(Outcome {
         rows,
-        faces: 0,
-        microtriangles: 0,
-        pixels: 0,
+        members: vec![("factor".to_owned(), Json::Number(factor))],
+        lines: format!(
+            "factor {factor:.3}: divide milliseconds by it to compare them with those of other machines\n"
+        ),
+        ..Outcome::default()
     })
-}
-
-/// The factor as a line, and as a member of the report.
-pub(super) fn line(factor: f64) -> String {
-    format!(
-        "factor {factor:.3}: divide milliseconds by it to compare them with those of other machines\n"
-    )
-}
-
-/// See [`line`].
-pub(super) fn member(factor: f64) -> (String, Json) {
-    ("factor".to_owned(), Json::Number(factor))
 }

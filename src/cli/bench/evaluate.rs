@@ -2,10 +2,10 @@
 //!
 //! The four ways in are measured one after the other, each over the same number of points. All but `batch` run on one thread.
 
-use super::bench::{Arguments, Outcome, push};
-use super::exit::Failure;
-use super::job::Job;
-use super::stats::{Clock, Time};
+use super::{Arguments, Outcome, push};
+use crate::cli::exit::Failure;
+use crate::cli::job::Job;
+use crate::cli::stats::{Clock, Time};
 use earmark::evaluate::{FaceEvaluator, Place, Tangents};
 use earmark::{Scene, Surface};
 use std::hint::black_box;
@@ -156,5 +156,6 @@ pub(super) fn evaluate(job: &Job, a: &Arguments, scene: &mut Scene) -> Result<Ou
         faces: scene.face_count() as u64,
         microtriangles: 0,
         pixels: 0,
+        ..Outcome::default()
     })
 }

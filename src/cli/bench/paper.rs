@@ -7,10 +7,10 @@
 //! * Antal and Szirmay-Kalos on Catmull-Clark in geometry shaders, 1,300 quads at levels 0 to 2: `antal-…`
 //! * Sachdev on Catmull-Clark in compute shaders, a cube after 5 and 6 iterations: `sachdev-…`, the refined mesh without a picture
 
-use super::bench::{Arguments, Outcome, Published, publish, push};
-use super::exit::Failure;
-use super::job::Job;
-use super::stats::{Clock, Time};
+use super::{Arguments, Outcome, Published, publish, push};
+use crate::cli::exit::Failure;
+use crate::cli::job::Job;
+use crate::cli::stats::{Clock, Time};
 use Depth::{Both, Curvature, Distance, Uniform};
 use Kind::{Function as Noise, Limit, Map, Pn, Qas};
 use Model::{Ground, Odd, Quads, Torus};
@@ -108,7 +108,7 @@ const FRAMES: [Frame; 14] = [
 ];
 
 /// Seconds of the whole-mesh refinement of a cube, as published: on a CPU, on a GPU.
-pub(super) const CUBES: [(&str, u32, [f64; 2]); 2] = [
+pub(crate) const CUBES: [(&str, u32, [f64; 2]); 2] = [
     ("sachdev-5", 5, [6.39, 5.58]),
     ("sachdev-6", 6, [99.21, 86.01]),
 ];
@@ -340,7 +340,7 @@ impl Ready {
 }
 
 /// The cube of two units.
-pub(super) fn cube_cage() -> Result<Cage, Failure> {
+pub(crate) fn cube_cage() -> Result<Cage, Failure> {
     let points: Vec<[f32; 3]> = (0..8_u8)
         .map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| 2.0 * f32::from(b) - 1.0))
         .collect();
@@ -352,17 +352,17 @@ pub(super) fn cube_cage() -> Result<Cage, Failure> {
 
 /// A row that is a limit surface, or its quadratic patches, at one level.
 #[cfg(feature = "gpu")]
-pub(super) struct UniformRow {
-    pub(super) name: &'static str,
-    pub(super) cage: Result<Cage, Failure>,
-    pub(super) options: SurfaceOptions,
-    pub(super) level: u32,
-    pub(super) published_ms: f64,
+pub(crate) struct UniformRow {
+    pub(crate) name: &'static str,
+    pub(crate) cage: Result<Cage, Failure>,
+    pub(crate) options: SurfaceOptions,
+    pub(crate) level: u32,
+    pub(crate) published_ms: f64,
 }
 
 /// The rows that are limit surfaces, or their quadratic patches, at one level.
 #[cfg(feature = "gpu")]
-pub(super) fn uniform_rows() -> Vec<UniformRow> {
+pub(crate) fn uniform_rows() -> Vec<UniformRow> {
     let rows = FRAMES.iter().filter_map(|row| match (row.kind, row.depth) {
         (kind @ (Limit | Qas), Uniform(level)) => Some(UniformRow {
             name: row.name,
@@ -454,5 +454,6 @@ pub(super) fn paper(job: &Job, a: &Arguments) -> Result<Outcome, Failure> {
         faces,
         microtriangles: triangles,
         pixels,
+        ..Outcome::default()
     })
 }

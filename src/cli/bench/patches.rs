@@ -3,10 +3,11 @@
 //! Distances are those of the model's faces, by the valence of their most irregular corner, and of caps of a sphere around one vertex of
 //! valence 3 to 12; all as parts of the diagonal of the cage's bounding box.
 
-use super::bench::{Arguments, Outcome, dice_all, push};
-use super::exit::Failure;
-use super::job::Job;
-use super::stats::{Clock, Json};
+use super::refine::dice_all;
+use super::{Arguments, Outcome, push};
+use crate::cli::exit::Failure;
+use crate::cli::job::Job;
+use crate::cli::stats::{Clock, Json};
 use earmark::distance::{Summary, cap, limit_of, limit_points, of_face};
 use earmark::patch::PatchKind;
 use earmark::{Cage, Scene, Surface, SurfaceOptions, topology};
@@ -25,7 +26,7 @@ const KINDS: [(&str, PatchKind, bool); 3] = [
 ];
 
 /// Distances of one surface from another.
-pub(super) struct Found {
+struct Found {
     surface: &'static str,
     cage: &'static str,
     /// Valence of the faces' most irregular corner; of all faces without.
@@ -41,7 +42,7 @@ impl Found {
         [s.max, s.rms(), s.max_same, s.rms_same()].map(|d| d / self.diagonal)
     }
 
-    pub(super) fn json(&self) -> Json {
+    fn json(&self) -> Json {
         let [max, rms, max_same, rms_same] = self.figures();
         Json::object([
             ("surface", Json::text(self.surface)),
@@ -61,7 +62,7 @@ impl Found {
 }
 
 /// Distances as lines of text.
-pub(super) fn table(found: &[Found]) -> String {
+fn table(found: &[Found]) -> String {
     let mut out = String::from(
         "distances from the limit surface, in millionths of the cage's diagonal\ncage  valence   faces surface       max       rms  max same  rms same parameters\n",
     );
@@ -143,17 +144,12 @@ fn measure(
     Ok(())
 }
 
-pub(super) fn patches(
-    job: &Job,
-    a: &Arguments,
-    scene: &Scene,
-    distances: &mut Vec<Found>,
-) -> Result<Outcome, Failure> {
+pub(super) fn patches(job: &Job, a: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
     let level = a.level.level.unwrap_or(LEVEL);
     let limits = job.limits();
     let options = a.model.surface();
     let cages: Vec<&Cage> = scene.objects.iter().map(|o| o.surface.cage()).collect();
-    let mut rows = Vec::new();
+    let (mut rows, mut distances) = (Vec::new(), Vec::new());
     let (mut points, mut faces) = (0_u64, 0_u64);
     for (name, kind) in [
         ("limit", PatchKind::None),
@@ -235,10 +231,13 @@ pub(super) fn patches(
             diagonal,
         }));
     }
+    let all = Json::List(distances.iter().map(Found::json).collect());
     Ok(Outcome {
         rows,
         faces,
         microtriangles: points,
-        pixels: 0,
+        members: vec![("distances".to_owned(), all)],
+        lines: table(&distances),
+        ..Outcome::default()
     })
 }
