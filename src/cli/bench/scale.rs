@@ -37,7 +37,7 @@ const LEVEL: u32 = 5;
 const LONGEST: f64 = 4000.0;
 
 /// One of the three curves: what varies, and what each value took.
-pub(super) struct Curve {
+pub(crate) struct Curve {
     pub(super) of: &'static str,
     pub(super) points: Vec<(f64, Time)>,
 }
