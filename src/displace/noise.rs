@@ -12,13 +12,12 @@ pub(crate) type Slope = [f32; 4];
 /// Largest magnitude of gradient noise. The values of this noise reach 1.0364.
 pub(super) const MOST: f32 = 1.04;
 
-/// Mixes the bits of a lattice point.
+/// What a step along each axis adds to the sum that is hashed.
+const STEPS: [u32; 3] = [0x8da6_b343, 0xd816_3841, 0xcb1a_b31f];
+
+/// Mixes the bits of what the coordinates of a lattice point come to.
 #[inline(always)]
-fn hash([x, y, z]: [i32; 3], seed: u32) -> u32 {
-    let mut h = (x as u32).wrapping_mul(0x8da6_b343)
-        ^ (y as u32).wrapping_mul(0xd816_3841)
-        ^ (z as u32).wrapping_mul(0xcb1a_b31f)
-        ^ seed.wrapping_mul(0x9e37_79b9);
+fn hash(mut h: u32) -> u32 {
     h ^= h >> 16;
     h = h.wrapping_mul(0x7feb_352d);
     h ^= h >> 15;
@@ -26,16 +25,20 @@ fn hash([x, y, z]: [i32; 3], seed: u32) -> u32 {
     h ^ (h >> 16)
 }
 
-/// One of the twelve directions to the middles of a cube's edges; four of them twice.
+/// A number with the sign turned if bit `bit` of `h` is set.
+#[inline(always)]
+fn turned(x: f32, h: u32, bit: u32) -> f32 {
+    f32::from_bits(x.to_bits() ^ ((h << (31 - bit)) & 0x8000_0000))
+}
+
+/// One of the twelve directions to the middles of a cube's edges, four of them twice, by the four lowest bits of a hash.
 #[inline(always)]
 fn direction(h: u32) -> [f32; 3] {
-    let h = h & 15;
-    let a = if h & 1 == 0 { 1.0 } else { -1.0 };
-    let b = if h & 2 == 0 { 1.0 } else { -1.0 };
+    let (a, b) = (turned(1.0, h, 0), turned(1.0, h, 1));
     // The first component goes along x or y, the second along y, x or z.
-    let first_x = h < 8;
-    let second_y = h < 4;
-    let second_x = !second_y && (h == 12 || h == 14);
+    let first_x = h & 8 == 0;
+    let second_y = h & 12 == 0;
+    let second_x = h & 13 == 12;
     let other_x = if second_x { b } else { 0.0 };
     let x = if first_x { a } else { other_x };
     let other_y = if second_y { b } else { 0.0 };
@@ -64,21 +67,82 @@ fn fade(t: f32) -> [f32; 2] {
 
 // No closures below: those that are not inlined would be compiled without the caller's vector instructions.
 
-/// What lattice point `of + at` has to say of the place `from` beyond `of`.
-#[inline(always)]
-fn corner(of: [i32; 3], from: [f32; 3], at: [i32; 3], seed: u32) -> Slope {
-    let place = [
-        of[0].wrapping_add(at[0]),
-        of[1].wrapping_add(at[1]),
-        of[2].wrapping_add(at[2]),
-    ];
-    let [gx, gy, gz] = direction(hash(place, seed));
-    let (x, y, z) = (
-        from[0] - at[0] as f32,
-        from[1] - at[1] as f32,
-        from[2] - at[2] as f32,
-    );
-    [(gx * x + gy * y) + gz * z, gx, gy, gz]
+/// The cell that a point is in. Of each axis, for the lattice points below and above: what they add to the hash, and how far the point is
+/// beyond them; and the blend from one to the other.
+struct Cell {
+    sums: [[u32; 2]; 3],
+    beyond: [[f32; 2]; 3],
+    fade: [[f32; 2]; 3],
+}
+
+impl Cell {
+    #[inline(always)]
+    fn at(p: [f32; 3], seed: u32) -> Self {
+        let (i, x) = cell(p[0]);
+        let (j, y) = cell(p[1]);
+        let (k, z) = cell(p[2]);
+        let seed = seed.wrapping_mul(0x9e37_79b9);
+        let [a, b, c] = [
+            (i as u32).wrapping_mul(STEPS[0]),
+            (j as u32).wrapping_mul(STEPS[1]),
+            (k as u32).wrapping_mul(STEPS[2]),
+        ];
+        Self {
+            sums: [
+                [a ^ seed, a.wrapping_add(STEPS[0]) ^ seed],
+                [b, b.wrapping_add(STEPS[1])],
+                [c, c.wrapping_add(STEPS[2])],
+            ],
+            beyond: [[x, x - 1.0], [y, y - 1.0], [z, z - 1.0]],
+            fade: [fade(x), fade(y), fade(z)],
+        }
+    }
+
+    /// The hash of corner (`a`, `b`, `c`), and how far the point is beyond it.
+    #[inline(always)]
+    fn corner(&self, [a, b, c]: [usize; 3]) -> (u32, [f32; 3]) {
+        let [x, y, z] = &self.sums;
+        let h = hash(x[a] ^ y[b] ^ z[c]);
+        let [x, y, z] = &self.beyond;
+        (h, [x[a], y[b], z[c]])
+    }
+
+    /// What a corner has to say of the point.
+    #[inline(always)]
+    fn slope(&self, at: [usize; 3]) -> Slope {
+        let (h, [x, y, z]) = self.corner(at);
+        let [gx, gy, gz] = direction(h);
+        [(gx * x + gy * y) + gz * z, gx, gy, gz]
+    }
+
+    /// The first number of [`Cell::slope`]: of the two components of a direction that are not zero, in the same order but for what is added
+    /// to zeros.
+    #[inline(always)]
+    fn value(&self, at: [usize; 3]) -> f32 {
+        let (h, [x, y, z]) = self.corner(at);
+        let first = if h & 8 == 0 { x } else { y };
+        let other = if h & 13 == 12 { x } else { z };
+        let second = if h & 12 == 0 { y } else { other };
+        turned(first, h, 0) + turned(second, h, 1)
+    }
+
+    /// The blend along x of the two corners at `b` along y and `c` along z.
+    #[inline(always)]
+    fn slope_along_x(&self, [b, c]: [usize; 2]) -> Slope {
+        mix(
+            self.slope([0, b, c]),
+            self.slope([1, b, c]),
+            self.fade[0],
+            1,
+        )
+    }
+
+    /// The same of values.
+    #[inline(always)]
+    fn value_along_x(&self, [b, c]: [usize; 2]) -> f32 {
+        let (near, far) = (self.value([0, b, c]), self.value([1, b, c]));
+        near + (far - near) * self.fade[0][0]
+    }
 }
 
 /// The blend of two values along an axis, which adds its own derivative.
@@ -94,78 +158,26 @@ fn mix(a: Slope, b: Slope, [t, dt]: [f32; 2], axis: usize) -> Slope {
     out
 }
 
-/// The blend along x of the two corners at `b` along y and `c` along z.
-#[inline(always)]
-fn along_x(of: [i32; 3], from: [f32; 3], [b, c]: [i32; 2], seed: u32, u: [f32; 2]) -> Slope {
-    let near = corner(of, from, [0, b, c], seed);
-    let far = corner(of, from, [1, b, c], seed);
-    mix(near, far, u, 1)
-}
-
 /// Gradient noise at a point: 0 at lattice points, about 1 apart.
 #[inline(always)]
 pub(super) fn perlin(p: [f32; 3], seed: u32) -> Slope {
-    let (ix, x) = cell(p[0]);
-    let (iy, y) = cell(p[1]);
-    let (iz, z) = cell(p[2]);
-    let (of, from) = ([ix, iy, iz], [x, y, z]);
-    let (u, v, w) = (fade(x), fade(y), fade(z));
+    let cell = Cell::at(p, seed);
+    let [_, v, w] = cell.fade;
     // Along x, then y, then z. No loop: the compiler would do the four in lanes, and not the points.
-    let low = mix(
-        along_x(of, from, [0, 0], seed, u),
-        along_x(of, from, [1, 0], seed, u),
-        v,
-        2,
-    );
-    let high = mix(
-        along_x(of, from, [0, 1], seed, u),
-        along_x(of, from, [1, 1], seed, u),
-        v,
-        2,
-    );
+    let low = mix(cell.slope_along_x([0, 0]), cell.slope_along_x([1, 0]), v, 2);
+    let high = mix(cell.slope_along_x([0, 1]), cell.slope_along_x([1, 1]), v, 2);
     mix(low, high, w, 3)
-}
-
-/// The same as the first number of `corner`: of the two components of a direction that are not zero, in the same order but for what is added
-/// to zeros.
-#[inline(always)]
-fn corner_value(of: [i32; 3], from: [f32; 3], at: [i32; 3], seed: u32) -> f32 {
-    let place = [
-        of[0].wrapping_add(at[0]),
-        of[1].wrapping_add(at[1]),
-        of[2].wrapping_add(at[2]),
-    ];
-    let h = hash(place, seed) & 15;
-    let (x, y, z) = (
-        from[0] - at[0] as f32,
-        from[1] - at[1] as f32,
-        from[2] - at[2] as f32,
-    );
-    let first = if h < 8 { x } else { y };
-    let other = if h == 12 || h == 14 { x } else { z };
-    let second = if h < 4 { y } else { other };
-    let first = if h & 1 == 0 { first } else { -first };
-    let second = if h & 2 == 0 { second } else { -second };
-    first + second
 }
 
 /// [`perlin`] without its gradient.
 #[inline(always)]
 pub(super) fn perlin_value(p: [f32; 3], seed: u32) -> f32 {
-    let (ix, x) = cell(p[0]);
-    let (iy, y) = cell(p[1]);
-    let (iz, z) = cell(p[2]);
-    let (of, from) = ([ix, iy, iz], [x, y, z]);
-    let (u, v, w) = (fade(x)[0], fade(y)[0], fade(z)[0]);
-    let mut edges = [0.0; 4];
-    for k in 0..4 {
-        let (b, c) = (k as i32 & 1, k as i32 >> 1);
-        let near = corner_value(of, from, [0, b, c], seed);
-        let far = corner_value(of, from, [1, b, c], seed);
-        edges[k] = near + (far - near) * u;
-    }
-    let low = edges[0] + (edges[1] - edges[0]) * v;
-    let high = edges[2] + (edges[3] - edges[2]) * v;
+    let cell = Cell::at(p, seed);
+    let [_, [v, _], [w, _]] = cell.fade;
+    let (a, b) = (cell.value_along_x([0, 0]), cell.value_along_x([1, 0]));
+    let low = a + (b - a) * v;
+    let (a, b) = (cell.value_along_x([0, 1]), cell.value_along_x([1, 1]));
+    let high = a + (b - a) * v;
     low + (high - low) * w
 }
 
@@ -204,7 +216,8 @@ mod tests {
 
     fn places() -> impl Iterator<Item = [f32; 3]> {
         (0..4000_u32).map(|i| {
-            [1, 2, 3].map(|k| hash([i as i32, k, 7], 1) as f32 / u32::MAX as f32 * 40.0 - 20.0)
+            [1, 2, 3]
+                .map(|k| hash(i.wrapping_mul(STEPS[0]) ^ k) as f32 / u32::MAX as f32 * 40.0 - 20.0)
         })
     }
 

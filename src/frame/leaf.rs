@@ -135,7 +135,7 @@ pub(super) fn block_size(tessellation: &Tessellation, item: u32) -> BlockSize {
 }
 
 /// Whether a leaf is the lower half of its square.
-fn is_half(tessellation: &Tessellation, leaf: &Leaf) -> bool {
+pub(super) fn is_half(tessellation: &Tessellation, leaf: &Leaf) -> bool {
     tessellation.triangular && leaf.is_diagonal()
 }
 

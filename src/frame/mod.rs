@@ -13,6 +13,7 @@ pub mod coverage;
 mod cutout;
 #[doc(hidden)]
 pub mod deviation;
+mod kept;
 mod leaf;
 mod level;
 mod scene;

@@ -1,4 +1,4 @@
-//! The second half of a tile: blocks that are seen are diced again with what shading needs, their fragments get colours, and pixels
+//! The second half of a tile: blocks that are seen are diced again with what shading needs unless they were kept, their fragments get colours, and pixels
 //! their bytes.
 //!
 //! What most pictures are full of, opaque surfaces under light without textures, goes in lanes from the samples' ids to colours, or to
@@ -78,13 +78,10 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
     let source = frame.source_of(item);
     let local = item - source.first_item;
     let (size, list) = (source.block_size(local), source.list(local));
-    source.dice(
-        &mut s.source,
-        local,
-        block,
-        &mut s.points,
-        Some(&mut s.attributes),
-    );
+    if !s.kept.take(rank as u32, &mut s.points, &mut s.attributes) {
+        let attributes = Some(&mut s.attributes);
+        source.dice(&mut s.source, local, block, &mut s.points, attributes);
+    }
     project(
         frame.simd,
         &s.points,

@@ -155,6 +155,43 @@ impl Default for Attributes {
     }
 }
 
+impl Attributes {
+    /// Which of texture coordinates, colours and tangents there are.
+    pub(super) fn flags(&self) -> [bool; 3] {
+        [self.has_uvs, self.has_colors, self.has_tangents]
+    }
+
+    pub(super) fn set_flags(&mut self, flags: [bool; 3]) {
+        [self.has_uvs, self.has_colors, self.has_tangents] = flags;
+    }
+
+    /// What there is.
+    pub(super) fn grids(&self) -> impl Iterator<Item = &Grid3> {
+        let [first, second] = &self.tangents;
+        let all = [&self.normals, &self.uvs, &self.colors, first, second];
+        let [uvs, colors, tangents] = self.flags();
+        let there = [true, uvs, colors, tangents, tangents];
+        all.into_iter().zip(there).filter(|g| g.1).map(|g| &**g.0)
+    }
+
+    pub(super) fn grids_mut(&mut self) -> impl Iterator<Item = &mut Grid3> {
+        let [uvs, colors, tangents] = self.flags();
+        let there = [true, uvs, colors, tangents, tangents];
+        let [first, second] = &mut self.tangents;
+        let all = [
+            &mut self.normals,
+            &mut self.uvs,
+            &mut self.colors,
+            first,
+            second,
+        ];
+        all.into_iter()
+            .zip(there)
+            .filter(|g| g.1)
+            .map(|g| &mut **g.0)
+    }
+}
+
 /// Corners of a 2×2 grid in the order of a quad's corners.
 const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (1, 1), (0, 1)];
 
@@ -293,6 +330,22 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Points of a block that are evaluated.
+    fn point_count(&self, item: u32) -> u64 {
+        let n = self.block_size(item);
+        match &self.tessellation {
+            Some(t) if leaf::is_half(t, &t.leaves[item as usize]) => {
+                (n.cols * (n.cols + 1) / 2) as u64
+            }
+            _ => (n.cols * n.rows) as u64,
+        }
+    }
+
+    /// Whether dicing a block costs more than drawing and shading it.
+    pub(super) fn is_costly(&self) -> bool {
+        self.object.surface.displacement().is_some()
+    }
+
     /// Micro-triangles of all items that are drawn.
     pub(super) fn triangles(&self) -> u64 {
         if let Some(t) = &self.tessellation {
@@ -375,8 +428,7 @@ impl<'a> Source<'a> {
     ) {
         out.clear();
         if let Some(t) = &self.tessellation {
-            let size = self.block_size(item);
-            scratch.diced += (size.cols * size.rows) as u64;
+            scratch.diced += self.point_count(item);
             leaf::drawn_box(&self.object.surface, t, item, scratch, out);
         }
     }
@@ -434,10 +486,7 @@ impl<'a> Source<'a> {
         points: &mut Grid3,
         attributes: Option<&mut Attributes>,
     ) {
-        if attributes.is_none() {
-            let size = self.block_size(item);
-            scratch.diced += (size.cols * size.rows) as u64;
-        }
+        scratch.diced += self.point_count(item);
         if let Some(t) = &self.tessellation {
             let attributes = attributes.map(|a| (a, self.wants_tangents));
             return leaf::dice(&self.object.surface, t, item, scratch, points, attributes);

@@ -134,7 +134,7 @@ pub struct FrameStats {
     pub patterns: Duration,
     /// Bytes of adaptive tessellations: blocks with their moved points, and trees of edges.
     pub flatness_bytes: u64,
-    /// Points that tiles diced to draw them; those of blocks that are seen are diced once more, with normals.
+    /// Points that tiles diced, to draw and to shade them.
     pub diced: u64,
     /// Points that were diced to find where displaced blocks are.
     pub diced_in_setup: u64,

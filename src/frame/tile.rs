@@ -7,6 +7,7 @@
 use super::Frame;
 use super::aov::{self, TilePlanes};
 use super::cutout::{Layers, draw_cutout};
+use super::kept::Kept;
 use super::shading::{self, Pixels, footprints};
 use super::source::{Attributes, Source, SourceScratch};
 use super::spot::draw;
@@ -39,6 +40,7 @@ pub(super) struct Scratch {
     pub(super) layers: Option<Tile<Layers>>,
     pub(super) hull: Vec<[f32; 3]>,
     pub(super) drawn: Vec<Drawn>,
+    pub(super) kept: Kept,
     /// Items of the tile, nearest first, each with the rank of its first block.
     queue: Vec<Queued>,
     /// Per rank, how far apart on the block samples are shaded together.
@@ -65,6 +67,7 @@ impl Scratch {
             layers: None,
             hull: Vec::new(),
             drawn: Vec::new(),
+            kept: Kept::default(),
             queue: Vec::new(),
             reach: Vec::new(),
             visible: Visible::default(),
@@ -146,7 +149,10 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     let size = [rect[2], rect[3]];
     s.pixels.clear(size, frame.film.empty());
     s.planes.clear(&frame.wanted, size);
-    if !rasterise(frame, tile, rect, s) {
+    s.kept.open();
+    let is_touched = rasterise(frame, tile, rect, s);
+    s.kept.close();
+    if !is_touched {
         return 0;
     }
     let clock = s.times.start();
@@ -270,7 +276,8 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
                     continue;
                 }
             }
-            let attributes = cutout.map(|_| &mut s.attributes);
+            let keeps = source.is_costly() && s.kept.has_room();
+            let attributes = (keeps || cutout.is_some()).then_some(&mut s.attributes);
             source.dice(&mut s.source, local, [bu, bv], &mut s.points, attributes);
             let clock = s.times.lap(Stage::Dice, clock);
             s.times
@@ -320,6 +327,9 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
                 }
                 _ => draw(frame.simd, &mut s.tile, &s.projected, list, rank),
             }
+            if keeps {
+                s.kept.keep(rank, size, &s.points, &s.attributes);
+            }
             s.times.stop(Stage::Tile, clock);
         }
     }
@@ -330,6 +340,8 @@ fn next_rank(s: &mut Scratch) -> u32 {
     if s.drawn.len() < SampleId::MAX_BLOCKS as usize {
         return s.drawn.len() as u32;
     }
+    // Those that were kept have other ranks from now on.
+    s.kept.forget();
     let mut alive = vec![false; s.drawn.len()];
     s.tile.update_ids(|id| {
         alive[id.rank() as usize] = true;

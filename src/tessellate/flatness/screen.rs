@@ -7,7 +7,7 @@ use crate::tessellate::Reach;
 
 /// What the tests leave of the tolerance to what they do not see: inside of a triangle it may be a third further away than along its
 /// sides, and a moved point stretches a triangle (measured: 0.62 leaves a fifth, 0.75 goes beyond the tolerance where blocks are small).
-const SHARE: f32 = 0.66;
+const SHARE: f32 = 0.62;
 /// The same of the tolerance of normals.
 const NORMAL_SHARE: f32 = 0.75;
 
