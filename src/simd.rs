@@ -214,6 +214,50 @@ pub fn bits(lanes: &[i8; LANES]) -> u32 {
     }
 }
 
+/// The words at sixteen places of a table, its length a power of two and places taken modulo that: lower halves, and upper halves.
+///
+/// Instructions that fetch in lanes take longer for it than one load per lane, and a loop would become them.
+#[inline(always)]
+#[cfg_attr(
+    target_arch = "x86_64",
+    expect(
+        unsafe_code,
+        reason = "the baseline has the instructions, but only as intrinsics"
+    )
+)]
+pub fn fetch_pairs<const N: usize>(
+    table: &[u64; N],
+    at: &[u32; LANES],
+    out: &mut [[u32; LANES]; 2],
+) {
+    const { assert!(N.is_power_of_two()) }
+    let word = |l: usize| table[at[l] as usize & (N - 1)];
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{
+            _mm_castps_si128, _mm_castsi128_ps, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128,
+        };
+        let [low, high] = out;
+        let parts = low.as_chunks_mut::<4>().0.iter_mut();
+        for (q, (low, high)) in parts.zip(high.as_chunks_mut::<4>().0).enumerate() {
+            // SAFETY: every x86-64 has SSE2; the stores are unaligned and of the arrays' 16 bytes.
+            unsafe {
+                let two = |l: usize| _mm_set_epi64x(word(l + 1) as i64, word(l) as i64);
+                let a = _mm_castsi128_ps(two(4 * q));
+                let b = _mm_castsi128_ps(two(4 * q + 2));
+                let lower = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(a, b));
+                let upper = _mm_castps_si128(_mm_shuffle_ps::<0b11_01_11_01>(a, b));
+                _mm_storeu_si128(low.as_mut_ptr().cast(), lower);
+                _mm_storeu_si128(high.as_mut_ptr().cast(), upper);
+            }
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    for l in 0..LANES {
+        (out[0][l], out[1][l]) = (word(l) as u32, (word(l) >> 32) as u32);
+    }
+}
+
 /// -1 or 0, as [`bits`] takes them.
 #[must_use]
 #[inline(always)]
@@ -262,6 +306,18 @@ mod tests {
         for pattern in [0, 1, 0x8000, 0x1234, 0xffff, 0x5555] {
             let lanes: [i8; LANES] = std::array::from_fn(|l| flag(pattern >> l & 1 != 0));
             assert_eq!(bits(&lanes), pattern);
+        }
+    }
+
+    #[test]
+    fn pairs_come_from_their_places() {
+        let table: [u64; 64] = std::array::from_fn(|k| (k as u64) << 33 | k as u64);
+        let at: [u32; LANES] = std::array::from_fn(|l| (l * l) as u32);
+        for level in Level::available() {
+            let mut out = [[0; LANES]; 2];
+            crate::dispatch!(level, fetch_pairs(&table, &at, &mut out));
+            assert_eq!(out[0], at.map(|k| k & 63));
+            assert_eq!(out[1], at.map(|k| (k & 63) * 2));
         }
     }
 

@@ -31,7 +31,7 @@ pub use draw::{
 };
 #[doc(hidden)]
 pub use edge::Fault;
-pub use lanes::{PairedBlock, SampleLanes};
+pub use lanes::{CornerLanes, PairedBlock, SampleLanes};
 pub use project::{GUARD_BAND, ProjectedBlock, project};
 pub use samples::sample_positions;
 pub use setup::{PixelBox, bounds};

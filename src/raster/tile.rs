@@ -7,10 +7,10 @@
 use super::setup::PixelBox;
 use crate::dispatch;
 use crate::records::SampleId;
-use crate::simd::Level;
+use crate::simd::{LANES, Level};
 
 /// Unused cells at the end of every row of a tile.
-pub(super) const APRON: usize = 16;
+pub(super) const APRON: usize = LANES;
 
 /// Side in pixels of the tiles that frames are cut into. It trades blocks diced twice at tile borders against the cache; it never
 /// changes a pixel.
@@ -207,6 +207,14 @@ impl<C: Cell> Tile<C> {
     pub fn row(&self, y: u32, sample: u32) -> &[C] {
         let at = self.plane(sample as usize) + y as usize * self.stride;
         &self.cells[at..at + self.width as usize]
+    }
+
+    /// [`Tile::row`], filled up to whole vectors with cells of the apron. What these hold means nothing.
+    #[must_use]
+    #[inline]
+    pub(crate) fn padded_row(&self, y: u32, sample: u32) -> &[C] {
+        let at = self.plane(sample as usize) + y as usize * self.stride;
+        &self.cells[at..at + (self.width as usize).next_multiple_of(LANES)]
     }
 
     /// The cell at a sample; `x` and `y` count from the tile's upper left pixel.
