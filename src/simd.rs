@@ -24,10 +24,32 @@
 //! ```
 
 use std::fmt;
+use std::ops::{Deref, DerefMut};
 use std::sync::OnceLock;
 
 /// Most lanes of any level: kernels pad their loops to multiples of it.
 pub const LANES: usize = 16;
+
+/// A number per lane, aligned so that no vector crosses a cache line: where it does, reading what was just written has to wait.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Lanes<T>(pub [T; LANES]);
+
+impl<T> Deref for Lanes<T> {
+    type Target = [T; LANES];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T; LANES] {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Lanes<T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [T; LANES] {
+        &mut self.0
+    }
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(
@@ -214,6 +236,34 @@ pub fn bits(lanes: &[i8; LANES]) -> u32 {
     }
 }
 
+/// [`bits`] of flags in words: for conditions on floats, which the compiler would narrow lane by lane.
+#[must_use]
+#[inline(always)]
+#[cfg_attr(
+    target_arch = "x86_64",
+    expect(
+        unsafe_code,
+        reason = "the baseline has the instructions, but only as intrinsics"
+    )
+)]
+pub fn word_bits(lanes: &[i32; LANES]) -> u32 {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{
+            _mm_loadu_si128, _mm_movemask_epi8, _mm_packs_epi16, _mm_packs_epi32,
+        };
+        // SAFETY: every x86-64 has SSE2; the loads are unaligned and of the array's four quarters.
+        unsafe {
+            let quarter = |k: usize| _mm_loadu_si128(lanes.as_ptr().add(4 * k).cast());
+            let low = _mm_packs_epi32(quarter(0), quarter(1));
+            let high = _mm_packs_epi32(quarter(2), quarter(3));
+            _mm_movemask_epi8(_mm_packs_epi16(low, high)) as u32
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    bits(&lanes.map(|lane| lane as i8))
+}
+
 /// The words at sixteen places of a table, its length a power of two and places taken modulo that: lower halves, and upper halves.
 ///
 /// Instructions that fetch in lanes take longer for it than one load per lane, and a loop would become them.
@@ -306,6 +356,7 @@ mod tests {
         for pattern in [0, 1, 0x8000, 0x1234, 0xffff, 0x5555] {
             let lanes: [i8; LANES] = std::array::from_fn(|l| flag(pattern >> l & 1 != 0));
             assert_eq!(bits(&lanes), pattern);
+            assert_eq!(word_bits(&lanes.map(i32::from)), pattern);
         }
     }
 

@@ -618,7 +618,7 @@ impl Renderer {
     ) -> Result<Vec<Option<PixelBox>>, LimitError> {
         let points = AtomicU64::new(0);
         let mut boxes = vec![None; item_count as usize];
-        const CHUNK: usize = 256;
+        const CHUNK: usize = 64;
         boxes
             .par_chunks_mut(CHUNK)
             .enumerate()

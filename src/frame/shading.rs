@@ -13,7 +13,7 @@ use super::{Frame, aov};
 use crate::dispatch;
 use crate::displace::Displacement;
 use crate::raster::{
-    CornerLanes, PairedBlock, ProjectedBlock, SampleLanes, project, sample_positions,
+    CornerLanes, PairedBlock, ProjectedBlock, SampleLanes, project_rows, sample_positions,
 };
 use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
 use crate::shade::{ShadeMode, SurfacePoint, has_direction};
@@ -92,10 +92,20 @@ pub(super) fn shade(frame: &Frame<'_>, s: &mut Scratch) {
 /// Dices a block again and shades its fragments.
 fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
     let clock = s.times.start();
-    let Drawn { item, block } = s.drawn[rank];
+    let Drawn {
+        item,
+        block,
+        clipped,
+    } = s.drawn[rank];
     let source = frame.source_of(item);
     let local = item - source.first_item;
     let (size, list) = (source.block_size(local), source.list(local));
+    let lit = frame.shader.mode() == ShadeMode::Lit && frame.wanted.aovs.is_empty();
+    let in_part = lit && list.is_none() && !clipped && !s.attributes.wants_uvs;
+    s.attributes.rows = in_part.then(|| seen_rows(s.visible.of_rank(rank)));
+    let last = size.rows as u32 - 1;
+    let [first, last] = s.attributes.rows.unwrap_or([0, last]);
+    let rows = first as usize..last as usize + 1;
     source.dice(
         &mut s.source,
         local,
@@ -103,10 +113,11 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
         &mut s.points,
         Some(&mut s.attributes),
     );
-    project(
+    s.attributes.rows = None;
+    project_rows(
         frame.simd,
         &s.points,
-        size,
+        (size, rows.clone()),
         &frame.view.projection,
         &mut s.projected,
     );
@@ -137,7 +148,7 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
         let albedo = frame.shader.albedo(&template);
         let fragments = s.visible.of_rank(rank);
         s.paired
-            .fill(frame.simd, &s.projected, &s.attributes.normals);
+            .fill(frame.simd, &s.projected, &s.attributes.normals, rows);
         let block = LitBlock {
             points: &s.points,
             paired: &s.paired,
@@ -159,6 +170,17 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
     s.times.stop(Stage::Shade, clock);
 }
 
+/// First and last row of points of the micro-quads that fragments of a block show.
+fn seen_rows(fragments: &[Fragment]) -> [u32; 2] {
+    let (mut first, mut last) = (u32::MAX, 0);
+    for f in fragments {
+        let row = SampleId(f.id()).row();
+        first = first.min(row);
+        last = last.max(row);
+    }
+    [first.min(last), last + 1]
+}
+
 /// A block whose fragments are lit in lanes.
 struct LitBlock<'a> {
     points: &'a Grid3,
@@ -172,8 +194,9 @@ struct LitBlock<'a> {
 /// it; one group through all steps would leave the processor with nothing else to do.
 const GROUPS: usize = 8;
 
-/// Sixteen fragments between steps.
+/// Sixteen fragments between steps, aligned for vectors.
 #[derive(Clone, Copy, Default)]
+#[repr(align(64))]
 struct LitGroup {
     ids: [u32; LANES],
     x: [i32; LANES],

@@ -24,6 +24,8 @@ use std::sync::OnceLock;
 pub(super) struct Drawn {
     pub(super) item: u32,
     pub(super) block: [u32; 2],
+    /// Some of its points are not on the screen.
+    pub(super) clipped: bool,
 }
 
 /// Buffers of one thread, used for tile after tile.
@@ -304,6 +306,7 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
             let drawn = Drawn {
                 item,
                 block: [bu, bv],
+                clipped: s.projected.is_clipped(),
             };
             let rank = match rank {
                 Some(first) => first + bv * nu + bu,

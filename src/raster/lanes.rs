@@ -9,6 +9,7 @@ use crate::dispatch;
 use crate::records::{BLOCK_LEN, BLOCK_STRIDE, Grid3};
 use crate::simd::{LANES, Level, bits, fetch_pairs, flag};
 use std::hint::select_unpredictable;
+use std::ops::Range;
 
 /// Length of the arrays: a power of two, for a mask to keep every place inside.
 const PLACES: usize = BLOCK_LEN.next_power_of_two();
@@ -43,16 +44,22 @@ impl PairedBlock {
         })
     }
 
-    /// Takes over a block that is not clipped, and its normals.
-    pub fn fill(&mut self, level: Level, block: &ProjectedBlock, normals: &Grid3) {
+    /// Takes over some rows of points of a block that is not clipped, and their normals.
+    pub fn fill(
+        &mut self,
+        level: Level,
+        block: &ProjectedBlock,
+        normals: &Grid3,
+        rows: Range<usize>,
+    ) {
         self.ortho = block.ortho;
-        dispatch!(level, self.fill_rows(block, normals));
+        dispatch!(level, self.fill_rows(block, normals, rows));
     }
 
     #[inline(always)]
-    fn fill_rows(&mut self, block: &ProjectedBlock, normals: &Grid3) {
+    fn fill_rows(&mut self, block: &ProjectedBlock, normals: &Grid3, rows: Range<usize>) {
         // Small blocks stand at the start of few rows.
-        for j in 0..block.size.rows {
+        for j in rows {
             for i in (0..block.size.cols).step_by(LANES) {
                 let range = j * BLOCK_STRIDE + i..j * BLOCK_STRIDE + i + LANES;
                 let (x, y) = (&block.x[range.clone()], &block.y[range.clone()]);
@@ -103,6 +110,7 @@ fn corner_lanes(ids: &[u32; LANES]) -> [[u32; LANES]; 3] {
 
 /// What stands at the corners of the micro-triangles of sixteen samples, in the corners' order.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
 pub struct CornerLanes {
     position: [[[u32; LANES]; 2]; 3],
     depth_z: [[[u32; LANES]; 2]; 3],
@@ -124,6 +132,7 @@ impl CornerLanes {
 
 /// Samples of one block: the corners of their micro-triangles with their weights, and the side that is seen.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct SampleLanes {
     ids: [u32; LANES],
     weights: [[f32; LANES]; 3],
@@ -310,7 +319,7 @@ mod tests {
             project(Level::SCALAR, &grid, size, &projection, &mut block);
             assert!(!block.is_clipped());
             let mut paired = PairedBlock::boxed();
-            paired.fill(Level::SCALAR, &block, &grid);
+            paired.fill(Level::SCALAR, &block, &grid, 0..size.rows);
             let (mut fronts, mut lanes) = (0, 0);
             for k in 0..64_u32 {
                 let ids: [u32; LANES] =
