@@ -24,10 +24,32 @@
 //! ```
 
 use std::fmt;
+use std::ops::{Deref, DerefMut};
 use std::sync::OnceLock;
 
 /// Most lanes of any level: kernels pad their loops to multiples of it.
 pub const LANES: usize = 16;
+
+/// A number per lane, aligned so that no vector crosses a cache line: where it does, reading what was just written has to wait.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Lanes<T>(pub [T; LANES]);
+
+impl<T> Deref for Lanes<T> {
+    type Target = [T; LANES];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T; LANES] {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Lanes<T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [T; LANES] {
+        &mut self.0
+    }
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(
@@ -214,6 +236,78 @@ pub fn bits(lanes: &[i8; LANES]) -> u32 {
     }
 }
 
+/// [`bits`] of flags in words: for conditions on floats, which the compiler would narrow lane by lane.
+#[must_use]
+#[inline(always)]
+#[cfg_attr(
+    target_arch = "x86_64",
+    expect(
+        unsafe_code,
+        reason = "the baseline has the instructions, but only as intrinsics"
+    )
+)]
+pub fn word_bits(lanes: &[i32; LANES]) -> u32 {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{
+            _mm_loadu_si128, _mm_movemask_epi8, _mm_packs_epi16, _mm_packs_epi32,
+        };
+        // SAFETY: every x86-64 has SSE2; the loads are unaligned and of the array's four quarters.
+        unsafe {
+            let quarter = |k: usize| _mm_loadu_si128(lanes.as_ptr().add(4 * k).cast());
+            let low = _mm_packs_epi32(quarter(0), quarter(1));
+            let high = _mm_packs_epi32(quarter(2), quarter(3));
+            _mm_movemask_epi8(_mm_packs_epi16(low, high)) as u32
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    bits(&lanes.map(|lane| lane as i8))
+}
+
+/// The words at sixteen places of a table, its length a power of two and places taken modulo that: lower halves, and upper halves.
+///
+/// Instructions that fetch in lanes take longer for it than one load per lane, and a loop would become them.
+#[inline(always)]
+#[cfg_attr(
+    target_arch = "x86_64",
+    expect(
+        unsafe_code,
+        reason = "the baseline has the instructions, but only as intrinsics"
+    )
+)]
+pub fn fetch_pairs<const N: usize>(
+    table: &[u64; N],
+    at: &[u32; LANES],
+    out: &mut [[u32; LANES]; 2],
+) {
+    const { assert!(N.is_power_of_two()) }
+    let word = |l: usize| table[at[l] as usize & (N - 1)];
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{
+            _mm_castps_si128, _mm_castsi128_ps, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128,
+        };
+        let [low, high] = out;
+        let parts = low.as_chunks_mut::<4>().0.iter_mut();
+        for (q, (low, high)) in parts.zip(high.as_chunks_mut::<4>().0).enumerate() {
+            // SAFETY: every x86-64 has SSE2; the stores are unaligned and of the arrays' 16 bytes.
+            unsafe {
+                let two = |l: usize| _mm_set_epi64x(word(l + 1) as i64, word(l) as i64);
+                let a = _mm_castsi128_ps(two(4 * q));
+                let b = _mm_castsi128_ps(two(4 * q + 2));
+                let lower = _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(a, b));
+                let upper = _mm_castps_si128(_mm_shuffle_ps::<0b11_01_11_01>(a, b));
+                _mm_storeu_si128(low.as_mut_ptr().cast(), lower);
+                _mm_storeu_si128(high.as_mut_ptr().cast(), upper);
+            }
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    for l in 0..LANES {
+        (out[0][l], out[1][l]) = (word(l) as u32, (word(l) >> 32) as u32);
+    }
+}
+
 /// -1 or 0, as [`bits`] takes them.
 #[must_use]
 #[inline(always)]
@@ -262,6 +356,19 @@ mod tests {
         for pattern in [0, 1, 0x8000, 0x1234, 0xffff, 0x5555] {
             let lanes: [i8; LANES] = std::array::from_fn(|l| flag(pattern >> l & 1 != 0));
             assert_eq!(bits(&lanes), pattern);
+            assert_eq!(word_bits(&lanes.map(i32::from)), pattern);
+        }
+    }
+
+    #[test]
+    fn pairs_come_from_their_places() {
+        let table: [u64; 64] = std::array::from_fn(|k| (k as u64) << 33 | k as u64);
+        let at: [u32; LANES] = std::array::from_fn(|l| (l * l) as u32);
+        for level in Level::available() {
+            let mut out = [[0; LANES]; 2];
+            crate::dispatch!(level, fetch_pairs(&table, &at, &mut out));
+            assert_eq!(out[0], at.map(|k| k & 63));
+            assert_eq!(out[1], at.map(|k| (k & 63) * 2));
         }
     }
 

@@ -358,10 +358,27 @@ impl FacePatch {
         self.dice_part(Part::block(self.level, [bu, bv]), points, normals);
     }
 
+    /// The same where only rows from the first to the last of `rows` are wanted; the others keep what they hold, but for the sides.
+    pub(crate) fn dice_rows(
+        &self,
+        [bu, bv]: [u32; 2],
+        rows: [u32; 2],
+        points: &mut Grid3,
+        normals: &mut Grid3,
+    ) {
+        let part = Part::block(self.level, [bu, bv]);
+        self.dice_rows_of(part, rows, points, Some(normals));
+    }
+
     /// Dices a part of the face, which may be of a coarser level. Points have the bits that every other part and level gives them.
-    pub(crate) fn dice_part(
+    pub(crate) fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
+        self.dice_rows_of(part, [0, part.segments], points, normals);
+    }
+
+    fn dice_rows_of(
         &self,
         part: Part,
+        rows: [u32; 2],
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
@@ -377,8 +394,8 @@ impl FacePatch {
             shift: self.level - level,
             start,
             end: start[0] + segments,
-            low: start.map(|k| k.max(inner)),
-            high: start.map(|k| (k + segments).min(n - inner)),
+            low: [start[0], start[1] + rows[0]].map(|k| k.max(inner)),
+            high: [start[0] + segments, start[1] + rows[1]].map(|k| k.min(n - inner)),
         };
         dispatch!(
             self.simd,

@@ -5,7 +5,7 @@
 
 use super::basis::{Basis, Target};
 use super::point::P4;
-use super::sheet::{Quadrant, Sheet};
+use super::sheet::{Quadrant, Rows, Sheet};
 use crate::records::{BLOCK_STRIDE, Grid3};
 use std::hint::{black_box, select_unpredictable};
 
@@ -228,7 +228,7 @@ impl Area {
     #[inline(always)]
     fn dice_lanes<const W: usize>(
         &self,
-        net: &[[P4; 4]; 4],
+        net: &Rows<'_>,
         basis: &Basis,
         points: &mut Grid3,
         normals: Option<&mut Grid3>,
@@ -253,7 +253,7 @@ impl Area {
     }
 
     #[inline(always)]
-    fn points<const W: usize>(&self, net: &[[P4; 4]; 4], basis: &Basis, out: &mut Grid3) {
+    fn points<const W: usize>(&self, net: &Rows<'_>, basis: &Basis, out: &mut Grid3) {
         for row in (0..self.rows).step_by(W) {
             let q = blend_rows(&take::<W>(&basis.point, self.first + row), net);
             let rows = (self.rows - row).min(W);
@@ -273,7 +273,7 @@ impl Area {
     }
 
     #[inline(always)]
-    fn normals<const W: usize>(&self, net: &[[P4; 4]; 4], basis: &Basis, out: &mut Grid3) {
+    fn normals<const W: usize>(&self, net: &Rows<'_>, basis: &Basis, out: &mut Grid3) {
         let spare = fallback(net);
         let lanes = black_box(W);
         let (mut du, mut dv, mut unit) = (
@@ -310,7 +310,7 @@ impl Area {
     #[inline(always)]
     fn dice_singly(
         &self,
-        net: &[[P4; 4]; 4],
+        net: &Rows<'_>,
         basis: &Basis,
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
@@ -338,7 +338,7 @@ impl Area {
 
 /// Per column of the net and component, the blends by each lane's weights.
 #[inline(always)]
-fn blend_rows<const W: usize>(w: &Weights<W>, net: &[[P4; 4]; 4]) -> [Lanes3<W>; 4] {
+fn blend_rows<const W: usize>(w: &Weights<W>, net: &Rows<'_>) -> [Lanes3<W>; 4] {
     let mut out = [
         Lanes3::zeros(),
         Lanes3::zeros(),
@@ -362,7 +362,7 @@ fn blend_rows<const W: usize>(w: &Weights<W>, net: &[[P4; 4]; 4]) -> [Lanes3<W>;
 
 /// The four columns of a net, each blended by `w`.
 #[inline(always)]
-fn blend_row(w: [f32; 4], net: &[[P4; 4]; 4]) -> [P4; 4] {
+fn blend_row(w: [f32; 4], net: &Rows<'_>) -> [P4; 4] {
     [
         blend(w, [net[0][0], net[1][0], net[2][0], net[3][0]]),
         blend(w, [net[0][1], net[1][1], net[2][1], net[3][1]]),
@@ -379,7 +379,7 @@ fn four<const W: usize>(q: &[Lanes3<W>; 4], c: usize, j: usize) -> [f32; 4] {
 
 /// A normal for points where the tangents are parallel: that of the patch as a whole.
 #[inline(always)]
-fn fallback(net: &[[P4; 4]; 4]) -> [f32; 3] {
+fn fallback(net: &Rows<'_>) -> [f32; 3] {
     let n = (net[2][2] - net[1][1]).cross(net[2][1] - net[1][2]);
     match n.unit() {
         Some(n) => n.xyz(),

@@ -26,6 +26,9 @@ pub(crate) struct Sheet {
     pub(crate) own: [[u32; 2]; 2],
 }
 
+/// The control points of a B-spline, row by row.
+pub(super) type Rows<'a> = [&'a [P4; 4]; 4];
+
 /// A quadrant of a sheet: one B-spline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quadrant<'a> {
@@ -131,15 +134,21 @@ impl Sheet {
 }
 
 impl Quadrant<'_> {
-    /// Its 16 control points.
+    /// Its 16 control points, where they stand.
     #[inline(always)]
-    pub(super) fn net(&self) -> Net<4> {
+    pub(super) fn net(&self) -> Rows<'_> {
         let [row, col] = self.at;
-        let mut out = [[P4::ZERO; 4]; 4];
-        for (out, line) in out.iter_mut().zip(&self.sheet.net[row..row + 4]) {
-            out.copy_from_slice(&line[col..col + 4]);
-        }
-        out
+        let lines = &self.sheet.net[row..row + 4];
+        let part = |line| -> &[P4; 4] {
+            let ([first @ .., _], [_, last @ ..]): (&[P4; 5], &[P4; 5]) = (line, line);
+            if col == 0 { first } else { last }
+        };
+        [
+            part(&lines[0]),
+            part(&lines[1]),
+            part(&lines[2]),
+            part(&lines[3]),
+        ]
     }
 
     /// Points whose convex hull holds the diced points between the given columns and rows (in units of the quadrant's size).
@@ -152,10 +161,10 @@ impl Quadrant<'_> {
     ) {
         let net = self.net();
         if target == Target::Refined {
-            net.iter().flatten().for_each(|p| out(p.xyz()));
+            net.into_iter().flatten().for_each(|p| out(p.xyz()));
             return;
         }
-        let along_u: Net<4> = std::array::from_fn(|r| bezier(net[r], u));
+        let along_u: Net<4> = std::array::from_fn(|r| bezier(*net[r], u));
         for c in 0..4 {
             let column = bezier(
                 [along_u[0][c], along_u[1][c], along_u[2][c], along_u[3][c]],

@@ -211,18 +211,19 @@ impl Film {
         self.encode_over(over)
     }
 
-    /// The pixels of opaque light, in lanes of red, green and blue: [`Film::pixel`] of each, for [`Encoding::Srgb`].
+    /// The pixels of opaque light, in lanes of red, green and blue: [`Film::pixel`] of each, for [`Encoding::Srgb`], with the first byte
+    /// lowest.
     #[must_use]
     #[inline(always)]
-    pub fn opaque_lanes(&self, light: &[[f32; LANES]; 3]) -> [[u8; 4]; LANES] {
+    pub fn opaque_lanes(&self, light: &[[f32; LANES]; 3]) -> [u32; LANES] {
         let mut codes = [[0_u32; LANES]; 3];
         for k in 0..3 {
             codes[k] = self.srgb.encode_lanes(&light[k]);
         }
-        let mut out = [[0; 4]; LANES];
+        let mut out = [0; LANES];
         for l in 0..LANES {
             let code = |k: usize| codes[k][l];
-            out[l] = (code(0) | code(1) << 8 | code(2) << 16 | 255 << 24).to_le_bytes();
+            out[l] = code(0) | code(1) << 8 | code(2) << 16 | 255 << 24;
         }
         out
     }

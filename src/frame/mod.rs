@@ -37,7 +37,8 @@ use crate::tessellate::patterns::Pool;
 use crate::tessellate::{DepthTags, Flatness, Tessellation, depth_tags, flatness};
 use crate::texture::Texture;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::cmp::Reverse;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -618,7 +619,7 @@ impl Renderer {
     ) -> Result<Vec<Option<PixelBox>>, LimitError> {
         let points = AtomicU64::new(0);
         let mut boxes = vec![None; item_count as usize];
-        const CHUNK: usize = 256;
+        const CHUNK: usize = 64;
         boxes
             .par_chunks_mut(CHUNK)
             .enumerate()
@@ -645,8 +646,16 @@ impl Renderer {
         stats: &mut FrameStats,
     ) -> Result<(Image, Vec<Plane>), LimitError> {
         self.limits.progress.begin(frame.grid.len() as u64);
-        let mut image = Image::new(self.size.width, self.size.height);
+        let size = [self.size.width, self.size.height];
+        let mut image = match frame.film.empty() {
+            [0, 0, 0, 0] => Image::new(size[0], size[1]),
+            empty => Image::filled(size, empty),
+        };
         let (line, side) = (self.size.width as usize * 4, frame.grid.side() as usize);
+        // Those with the most to do first, so that no thread is left alone with one at the end.
+        let mut order: Vec<usize> = (0..frame.grid.len()).collect();
+        order.sort_by_key(|&tile| Reverse(frame.bins.items(tile).len()));
+        let next = AtomicUsize::new(0);
         // Rows of tiles, each behind a lock that is held while a tile's pixels are copied in.
         let bands: Vec<Mutex<&mut [u8]>> =
             image.data.chunks_mut(line * side).map(Mutex::new).collect();
@@ -662,17 +671,17 @@ impl Renderer {
         let (covered, times) = (0..frame.grid.len())
             .into_par_iter()
             .with_max_len(1)
-            .map(|tile| {
+            .map(|_| {
                 self.limits.check()?;
+                let tile = order[next.fetch_add(1, Ordering::Relaxed)];
                 let mut scratch = self.scratch.take(self.size.samples, self.simd);
                 scratch.times = StageTimes::measuring(self.measure);
                 let covered = tile::draw_tile(frame, tile, &mut scratch);
                 let clock = scratch.times.start();
                 let [x, _, width, _] = frame.grid.rect(tile);
                 if let Ok(mut band) = bands[tile / frame.grid.cols() as usize].lock() {
-                    let rows = scratch.pixels.bytes.chunks_exact(width as usize);
-                    for (to, row) in band.chunks_exact_mut(line).zip(rows) {
-                        let at = x as usize * 4;
+                    for (to, (from, row)) in band.chunks_exact_mut(line).zip(scratch.shown_rows()) {
+                        let at = (x + from) as usize * 4;
                         to[at..at + row.len() * 4].copy_from_slice(row.as_flattened());
                     }
                 }

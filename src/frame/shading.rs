@@ -12,10 +12,13 @@ use super::visible::Fragment;
 use super::{Frame, aov};
 use crate::dispatch;
 use crate::displace::Displacement;
-use crate::raster::{PairedBlock, ProjectedBlock, SampleLanes, project, sample_positions};
+use crate::raster::{
+    CornerLanes, PairedBlock, ProjectedBlock, SampleLanes, project_rows, sample_positions,
+};
 use crate::records::{BLOCK_STRIDE, BlockSize, Grid3, SampleId};
 use crate::shade::{ShadeMode, SurfacePoint, has_direction};
 use crate::simd::{LANES, bits, flag};
+use std::ops::Range;
 
 /// Micro-quads by which samples of a pixel may be apart to be shaded together, as a part of a block's side: an eighth.
 const REACH: usize = 8;
@@ -29,18 +32,42 @@ pub(super) fn reach(size: BlockSize) -> u8 {
 #[derive(Debug, Default)]
 pub(super) struct Pixels {
     /// Pixels of the tile, row by row.
-    pub(super) bytes: Vec<[u8; 4]>,
+    bytes: Vec<[u8; 4]>,
     /// Where a pixel has several samples: their colours added up.
     sums: Vec<[f32; 4]>,
     width: usize,
 }
 
 impl Pixels {
-    /// Makes all pixels of a tile empty.
-    pub(super) fn clear(&mut self, [width, height]: [u32; 2], empty: [u8; 4]) {
+    /// Makes the pixels of a tile empty, as far as spans of its rows reach; no others are read.
+    fn clear(&mut self, width: u32, spans: &[[u32; 2]], several: bool, empty: [u8; 4]) {
         self.width = width as usize;
-        self.bytes.clear();
-        self.bytes.resize((width * height) as usize, empty);
+        let len = self.width * spans.len();
+        if self.bytes.len() < len {
+            self.bytes.resize(len, empty);
+        }
+        if several && self.sums.len() < len {
+            self.sums.resize(len, [0.0; 4]);
+        }
+        for (y, &[low, high]) in (0..).zip(spans) {
+            let range = self.range(y, low, high);
+            if several {
+                self.sums[range.clone()].fill([0.0; 4]);
+            }
+            self.bytes[range].fill(empty);
+        }
+    }
+
+    #[inline(always)]
+    fn range(&self, y: usize, low: u32, high: u32) -> Range<usize> {
+        let row = y * self.width;
+        // Spans of empty rows end before they begin.
+        row + low.min(high) as usize..row + high as usize
+    }
+
+    /// Pixels of a row.
+    pub(super) fn row(&self, y: usize, low: u32, high: u32) -> &[[u8; 4]] {
+        &self.bytes[self.range(y, low, high)]
     }
 
     #[inline(always)]
@@ -51,18 +78,9 @@ impl Pixels {
 
 /// Shades what `visible` holds.
 pub(super) fn shade(frame: &Frame<'_>, s: &mut Scratch) {
-    let [width, height] = s.tile.size();
-    let single = frame.size.samples == 1;
-    if !single {
-        // Only what the spans hold is read again.
-        s.pixels.sums.resize((width * height) as usize, [0.0; 4]);
-        for (y, &[low, high]) in s.visible.spans.iter().enumerate() {
-            if low < high {
-                let row = y * width as usize;
-                s.pixels.sums[row + low as usize..row + high as usize].fill([0.0; 4]);
-            }
-        }
-    }
+    let several = frame.size.samples > 1;
+    let [width, _] = s.tile.size();
+    (s.pixels).clear(width, &s.visible.spans, several, frame.film.empty());
     for rank in 0..s.drawn.len() {
         if s.visible.of_rank(rank).is_empty() {
             continue;
@@ -74,18 +92,29 @@ pub(super) fn shade(frame: &Frame<'_>, s: &mut Scratch) {
 /// Dices a block again and shades its fragments.
 fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
     let clock = s.times.start();
-    let Drawn { item, block } = s.drawn[rank];
+    let Drawn {
+        item,
+        block,
+        clipped,
+    } = s.drawn[rank];
     let source = frame.source_of(item);
     let local = item - source.first_item;
     let (size, list) = (source.block_size(local), source.list(local));
+    let lit = frame.shader.mode() == ShadeMode::Lit && frame.wanted.aovs.is_empty();
+    let in_part = lit && list.is_none() && !clipped && !s.attributes.wants_uvs;
+    let seen = in_part.then(|| seen_rows(s.visible.of_rank(rank)));
     if !s.kept.take(rank as u32, &mut s.points, &mut s.attributes) {
+        s.attributes.rows = seen;
         let attributes = Some(&mut s.attributes);
         source.dice(&mut s.source, local, block, &mut s.points, attributes);
+        s.attributes.rows = None;
     }
-    project(
+    let [first, last] = seen.unwrap_or([0, size.rows as u32 - 1]);
+    let rows = first as usize..last as usize + 1;
+    project_rows(
         frame.simd,
         &s.points,
-        size,
+        (size, rows.clone()),
         &frame.view.projection,
         &mut s.projected,
     );
@@ -116,7 +145,7 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
         let albedo = frame.shader.albedo(&template);
         let fragments = s.visible.of_rank(rank);
         s.paired
-            .fill(frame.simd, &s.projected, &s.attributes.normals);
+            .fill(frame.simd, &s.projected, &s.attributes.normals, rows);
         let block = LitBlock {
             points: &s.points,
             paired: &s.paired,
@@ -138,6 +167,17 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
     s.times.stop(Stage::Shade, clock);
 }
 
+/// First and last row of points of the micro-quads that fragments of a block show.
+fn seen_rows(fragments: &[Fragment]) -> [u32; 2] {
+    let (mut first, mut last) = (u32::MAX, 0);
+    for f in fragments {
+        let row = SampleId(f.id()).row();
+        first = first.min(row);
+        last = last.max(row);
+    }
+    [first.min(last), last + 1]
+}
+
 /// A block whose fragments are lit in lanes.
 struct LitBlock<'a> {
     points: &'a Grid3,
@@ -151,15 +191,22 @@ struct LitBlock<'a> {
 /// it; one group through all steps would leave the processor with nothing else to do.
 const GROUPS: usize = 8;
 
-/// Fragments between steps, group by group.
-#[derive(Default)]
-struct LitGroups {
-    x: [[i32; LANES]; GROUPS],
-    y: [[i32; LANES]; GROUPS],
-    side: [[f32; LANES]; GROUPS],
-    normals: [[[f32; LANES]; 3]; GROUPS],
+/// Sixteen fragments between steps, aligned for vectors.
+#[derive(Clone, Copy, Default)]
+#[repr(align(64))]
+struct LitGroup {
+    ids: [u32; LANES],
+    x: [i32; LANES],
+    y: [i32; LANES],
+    /// Places in the tile's pixels.
+    pixels: [u32; LANES],
+    corners: CornerLanes,
+    side: [f32; LANES],
+    normals: [[f32; LANES]; 3],
     /// Colour of the surface, then its light.
-    colors: [[[f32; LANES]; 3]; GROUPS],
+    colors: [[f32; LANES]; 3],
+    /// Pixels of that light alone.
+    codes: [u32; LANES],
 }
 
 #[inline(always)]
@@ -169,110 +216,129 @@ fn lit_fragments(
     fragments: &[Fragment],
     pixels: &mut Pixels,
 ) {
-    let mut groups = LitGroups::default();
+    let mut groups = [LitGroup::default(); GROUPS];
     for chunk in fragments.chunks(GROUPS * LANES) {
+        let groups = &mut groups[..chunk.len().div_ceil(LANES)];
         let (whole, rest) = chunk.as_chunks::<LANES>();
         // The last group is filled up with its last fragment.
         let mut last = [rest.last().copied().unwrap_or_default(); LANES];
         last[..rest.len()].copy_from_slice(rest);
         let filled = (!rest.is_empty()).then_some(&last);
-        let mut count = 0;
-        for lanes in whole.iter().chain(filled) {
-            place_group(frame, block, lanes, &mut groups, count);
-            count += 1;
+        for (lanes, group) in whole.iter().chain(filled).zip(&mut *groups) {
+            group.place(frame, block, lanes, pixels.width);
         }
-        for g in 0..count {
-            let colors = groups.colors[g];
-            let (x, y) = (&groups.x[g], &groups.y[g]);
-            groups.colors[g] =
-                (frame.shader).light_lanes(&groups.normals[g], &groups.side[g], x, y, &colors);
+        for group in &mut *groups {
+            group.corners.fetch(block.paired, &group.ids);
         }
-        for (g, group) in chunk.chunks(LANES).enumerate() {
-            keep_group(frame, group, &groups.colors[g], pixels);
+        for group in &mut *groups {
+            group.find_surface(frame, block);
+        }
+        for g in &mut *groups {
+            let light = (frame.shader).light_lanes(&g.normals, &g.side, &g.x, &g.y, &g.colors);
+            g.colors = light;
+        }
+        for group in &mut *groups {
+            group.codes = frame.film.opaque_lanes(&group.colors);
+        }
+        for (fragments, group) in chunk.chunks(LANES).zip(&*groups) {
+            group.keep(frame, fragments, pixels);
         }
     }
 }
 
-/// Where the fragments of a group are on the screen and on the surface.
-#[inline(always)]
-fn place_group(
-    frame: &Frame<'_>,
-    block: &LitBlock<'_>,
-    lanes: &[Fragment; LANES],
-    groups: &mut LitGroups,
-    g: usize,
-) {
-    let samples = frame.size.samples;
-    let positions = sample_positions(samples);
-    let mut ids = [0_u32; LANES];
-    let mut x = [0_i32; LANES];
-    let mut y = [0_i32; LANES];
-    for l in 0..LANES {
-        let f = lanes[l];
-        ids[l] = f.id();
-        x[l] = (block.origin[0] + f.x()) as i32 * 256;
-        y[l] = (block.origin[1] + f.y()) as i32 * 256;
-    }
-    if samples == 1 {
+impl LitGroup {
+    /// Where fragments are on the screen.
+    #[inline(always)]
+    fn place(
+        &mut self,
+        frame: &Frame<'_>,
+        block: &LitBlock<'_>,
+        lanes: &[Fragment; LANES],
+        width: usize,
+    ) {
+        let samples = frame.size.samples;
+        let positions = sample_positions(samples);
         for l in 0..LANES {
-            x[l] += positions[0][0];
-            y[l] += positions[0][1];
+            let f = lanes[l];
+            self.ids[l] = f.id();
+            self.pixels[l] = f.y() * width as u32 + f.x();
+            self.x[l] = (block.origin[0] + f.x()) as i32 * 256;
+            self.y[l] = (block.origin[1] + f.y()) as i32 * 256;
         }
-    } else {
-        for l in 0..LANES {
-            let [ox, oy] = positions[lanes[l].sample() as usize];
-            x[l] += ox;
-            y[l] += oy;
+        if samples == 1 {
+            for l in 0..LANES {
+                self.x[l] += positions[0][0];
+                self.y[l] += positions[0][1];
+            }
+        } else {
+            for l in 0..LANES {
+                let [ox, oy] = positions[lanes[l].sample() as usize];
+                self.x[l] += ox;
+                self.y[l] += oy;
+            }
         }
     }
-    let at = SampleLanes::new(block.paired, &ids, &x, &y);
-    let mut normals = at.normals;
-    let mut bad = [0; LANES];
-    for l in 0..LANES {
-        let n = [normals[0][l], normals[1][l], normals[2][l]];
-        bad[l] = flag(!has_direction(n));
-    }
-    let mut bad = bits(&bad);
-    while bad != 0 {
-        let l = bad.trailing_zeros() as usize & (LANES - 1);
-        bad &= bad - 1;
-        let to_eye = frame
-            .shader
-            .to_eye(x[l], y[l])
-            .map(|c| c * at.side[l].signum());
-        mend_normal(block.points, ids[l], to_eye, &mut normals, l);
-    }
-    groups.x[g] = x;
-    groups.y[g] = y;
-    groups.side[g] = at.side;
-    groups.normals[g] = normals;
-    groups.colors[g] = albedo_lanes(block, &at);
-}
 
-/// Puts the light of a group where its pixels are kept.
-#[inline(always)]
-fn keep_group(
-    frame: &Frame<'_>,
-    group: &[Fragment],
-    light: &[[f32; LANES]; 3],
-    pixels: &mut Pixels,
-) {
-    if frame.size.samples == 1 {
-        let bytes = frame.film.opaque_lanes(light);
-        for (f, bytes) in group.iter().zip(bytes) {
-            let k = pixels.index(*f);
-            pixels.bytes[k] = bytes;
+    /// Normals, sides and colours of the surface at the fragments.
+    #[inline(always)]
+    fn find_surface(&mut self, frame: &Frame<'_>, block: &LitBlock<'_>) {
+        let (x, y) = (&self.x, &self.y);
+        let at = SampleLanes::new(block.paired, &self.corners, &self.ids, x, y);
+        let mut bad = [0; LANES];
+        for l in 0..LANES {
+            let n = [at.normals[0][l], at.normals[1][l], at.normals[2][l]];
+            bad[l] = flag(!has_direction(n));
         }
-        return;
+        self.normals = at.normals;
+        self.side = at.side;
+        self.colors = albedo_lanes(block, &at);
+        let bad = bits(&bad);
+        if bad != 0 {
+            self.mend_normals(frame, block, bad);
+        }
     }
-    for (l, f) in group.iter().enumerate() {
-        let n = f.count() as f32;
-        let k = pixels.index(*f);
-        let sum = &mut pixels.sums[k];
-        for c in 0..3 {
-            sum[c] += crate::math::saturate(light[c][l]) * n;
+
+    /// Gives samples whose normal has no direction, the lanes in `bad`, that of their micro-triangle, or one to the eye.
+    #[cold]
+    fn mend_normals(&mut self, frame: &Frame<'_>, block: &LitBlock<'_>, mut bad: u32) {
+        while bad != 0 {
+            let l = bad.trailing_zeros() as usize & (LANES - 1);
+            bad &= bad - 1;
+            let mut n = spot::geometric(block.points, SampleId(self.ids[l]));
+            if !has_direction(n) {
+                let to_eye = frame.shader.to_eye(self.x[l], self.y[l]);
+                n = to_eye.map(|c| c * self.side[l].signum());
+            }
+            for (lanes, n) in self.normals.iter_mut().zip(n) {
+                lanes[l] = n;
+            }
         }
-        sum[3] += n;
+    }
+
+    /// Puts the light where its pixels are kept.
+    #[inline(always)]
+    fn keep(&self, frame: &Frame<'_>, fragments: &[Fragment], pixels: &mut Pixels) {
+        let samples = frame.size.samples;
+        if samples == 1 {
+            for l in 0..fragments.len() {
+                pixels.bytes[self.pixels[l] as usize] = self.codes[l].to_le_bytes();
+            }
+            return;
+        }
+        for (l, f) in fragments.iter().enumerate() {
+            let k = self.pixels[l] as usize;
+            if f.count() == samples {
+                // Times a power of two and divided by it: the same.
+                pixels.bytes[k] = self.codes[l].to_le_bytes();
+                continue;
+            }
+            let n = f.count() as f32;
+            let sum = &mut pixels.sums[k];
+            for c in 0..3 {
+                sum[c] += crate::math::saturate(self.colors[c][l]) * n;
+            }
+            sum[3] += n;
+        }
     }
 }
 
@@ -289,22 +355,6 @@ fn albedo_lanes(block: &LitBlock<'_>, at: &SampleLanes) -> [[f32; LANES]; 3] {
         }
     }
     albedo
-}
-
-/// Gives a sample whose normal has no direction that of its micro-triangle, or one to the eye.
-#[cold]
-fn mend_normal(
-    points: &Grid3,
-    id: u32,
-    to_eye: [f32; 3],
-    normals: &mut [[f32; LANES]; 3],
-    lane: usize,
-) {
-    let n = spot::geometric(points, SampleId(id));
-    let n = if has_direction(n) { n } else { to_eye };
-    for (lanes, n) in normals.iter_mut().zip(n) {
-        lanes[lane] = n;
-    }
 }
 
 /// Fragments of a block point by point.
@@ -498,22 +548,20 @@ fn list_footprints(
     out.extend(areas.into_iter().map(side));
 }
 
-/// Averages the samples of pixels that have several.
+/// Averages the samples of pixels that have several; those that are of one colour have their bytes.
 pub(super) fn resolve(frame: &Frame<'_>, s: &mut Scratch) {
     let samples = frame.size.samples;
     if samples == 1 {
         return;
     }
     let share = 1.0 / samples as f32;
-    let width = s.pixels.width;
     for (y, &[low, high]) in s.visible.spans.iter().enumerate() {
-        if low >= high {
-            continue;
-        }
-        let range = y * width + low as usize..y * width + high as usize;
+        let range = s.pixels.range(y, low, high);
         let sums = &s.pixels.sums[range.clone()];
         for (sum, pixel) in sums.iter().zip(&mut s.pixels.bytes[range]) {
-            *pixel = frame.film.pixel(sum.map(|c| c * share));
+            if sum[3] > 0.0 {
+                *pixel = frame.film.pixel(sum.map(|c| c * share));
+            }
         }
     }
 }

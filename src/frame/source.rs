@@ -133,6 +133,8 @@ pub(super) struct Attributes {
     pub(super) colors: Box<Grid3>,
     /// What tilts normals, for relief and slopes by pixel.
     pub(super) tangents: [Box<Grid3>; 2],
+    /// First and last row of points that are wanted, where not all are; only where texture coordinates are not.
+    pub(super) rows: Option<[u32; 2]>,
     /// Whether anything of the frame reads texture coordinates.
     pub(super) wants_uvs: bool,
     pub(super) has_uvs: bool,
@@ -147,6 +149,7 @@ impl Default for Attributes {
             uvs: Grid3::boxed(),
             colors: Grid3::boxed(),
             tangents: [Grid3::boxed(), Grid3::boxed()],
+            rows: None,
             wants_uvs: false,
             has_uvs: false,
             has_colors: false,
@@ -504,7 +507,12 @@ impl<'a> Source<'a> {
         };
         self.prepare(scratch, item, Sides::Normals);
         let (surface, patch) = (&self.object.surface, &mut scratch.patch);
-        patch.dice(surface, bu, bv, points, Some(&mut a.normals));
+        match a.rows {
+            Some(rows) if surface.displacement().is_none() => {
+                patch.dice_rows([bu, bv], rows, points, &mut a.normals);
+            }
+            _ => patch.dice(surface, bu, bv, points, Some(&mut a.normals)),
+        }
         if a.wants_uvs && !patch.has_uvs() {
             patch.prepare_uvs(surface, item);
         }

@@ -25,6 +25,8 @@ use std::sync::OnceLock;
 pub(super) struct Drawn {
     pub(super) item: u32,
     pub(super) block: [u32; 2],
+    /// Some of its points are not on the screen.
+    pub(super) clipped: bool,
 }
 
 /// Buffers of one thread, used for tile after tile.
@@ -85,6 +87,14 @@ impl Scratch {
         self.tile.samples() == samples && self.simd == simd
     }
 
+    /// What of the tile's rows shows anything: the first column and the pixels from there on.
+    pub(super) fn shown_rows(&self) -> impl Iterator<Item = (u32, &[[u8; 4]])> {
+        let spans = &self.visible.spans;
+        (0..)
+            .zip(spans)
+            .map(|(y, &[low, high])| (low, self.pixels.row(y, low, high)))
+    }
+
     /// Drops what belongs to the scene of one frame; the next may have other points.
     pub(super) fn forget_scene(&mut self) {
         self.source.forget();
@@ -143,16 +153,15 @@ struct Queued {
     group: (u32, u32),
 }
 
-/// Draws one tile; its RGBA8 rows are in [`Scratch::pixels`] then. Returns the number of pixels with something in them.
+/// Draws one tile; its RGBA8 pixels are in [`Scratch::shown_rows`] then, and all others are empty. Returns the number of pixels with something in them.
 pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 {
     let rect = frame.grid.rect(tile);
-    let size = [rect[2], rect[3]];
-    s.pixels.clear(size, frame.film.empty());
-    s.planes.clear(&frame.wanted, size);
+    s.planes.clear(&frame.wanted, [rect[2], rect[3]]);
     s.kept.open();
     let is_touched = rasterise(frame, tile, rect, s);
     s.kept.close();
     if !is_touched {
+        s.visible.spans.clear();
         return 0;
     }
     let clock = s.times.start();
@@ -304,6 +313,7 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
             let drawn = Drawn {
                 item,
                 block: [bu, bv],
+                clipped: s.projected.is_clipped(),
             };
             let rank = match rank {
                 Some(first) => first + bv * nu + bu,

@@ -84,7 +84,7 @@ impl Visible {
             dispatch!(simd, self.gather_single(tile));
             return;
         }
-        let count = self.find(tile, reach);
+        let count = dispatch!(simd, self.find(tile, reach));
         self.sort(count);
     }
 
@@ -243,43 +243,145 @@ impl Visible {
         count
     }
 
-    /// Several samples per pixel: those that are near the first of a fragment join it.
+    /// Several samples per pixel: those that are near the first of a fragment join it. Inside a surface all samples of a pixel do, which is
+    /// seen for sixteen pixels at once.
+    #[inline(always)]
     fn find(&mut self, tile: &Tile, reach: &[u8]) -> usize {
         let [width, height] = tile.size();
         let samples = tile.samples();
         let mut count = 0;
         for y in 0..height {
             let rows: [&[_]; 16] =
-                std::array::from_fn(|k| tile.row(y, (k as u32).min(samples - 1)));
+                std::array::from_fn(|k| tile.padded_row(y, (k as u32).min(samples - 1)));
             let rows = &rows[..samples as usize];
             let (mut low, mut high) = (width, 0);
-            for x in 0..width {
-                let begin = count;
-                for (sample, row) in (0..).zip(rows) {
-                    let key = row[x as usize];
-                    if key.0 == 0 {
-                        continue;
-                    }
-                    let id = !(key.0 as u32);
-                    let joins = |f: &&mut Fragment| near(f.id(), id, reach);
-                    match self.found[begin..count].iter_mut().find(joins) {
-                        Some(fragment) => fragment.join(),
-                        None => {
-                            self.found[count] = Fragment::new(x, y, sample, 1, id);
-                            self.starts[(id >> 11) as usize + 2] += 1;
-                            count += 1;
-                        }
-                    }
+            for x in (0..width).step_by(LANES) {
+                let group = Group::look(rows, x as usize, reach);
+                let mut hits = group.hits & below(width - x);
+                if hits == 0 {
+                    continue;
                 }
-                if count > begin {
-                    self.pixels += 1;
-                    low = low.min(x);
-                    high = x + 1;
+                self.pixels += u64::from(hits.count_ones());
+                low = low.min(x + hits.trailing_zeros());
+                high = x + 32 - hits.leading_zeros();
+                while hits != 0 {
+                    let l = hits.trailing_zeros();
+                    hits &= hits - 1;
+                    if group.whole >> l & 1 != 0 {
+                        let id = group.first[l as usize & (LANES - 1)];
+                        self.found[count] = Fragment::new(x + l, y, 0, samples, id);
+                        self.starts[(id >> 11) as usize + 2] += 1;
+                        count += 1;
+                    } else {
+                        count = self.find_in_pixel(rows, [x + l, y], count, reach);
+                    }
                 }
             }
             self.spans[y as usize] = [low, high];
         }
         count
+    }
+
+    /// The fragments of one pixel; `count` were found before. Returns how many are found with them.
+    #[inline(always)]
+    fn find_in_pixel(
+        &mut self,
+        rows: &[&[Key]],
+        [x, y]: [u32; 2],
+        mut count: usize,
+        reach: &[u8],
+    ) -> usize {
+        let begin = count;
+        for (sample, row) in (0..).zip(rows) {
+            let key = row[x as usize];
+            if key.0 == 0 {
+                continue;
+            }
+            let id = !(key.0 as u32);
+            let joins = |f: &&mut Fragment| near(f.id(), id, reach);
+            match self.found[begin..count].iter_mut().find(joins) {
+                Some(fragment) => fragment.join(),
+                None => {
+                    self.found[count] = Fragment::new(x, y, sample, 1, id);
+                    self.starts[(id >> 11) as usize + 2] += 1;
+                    count += 1;
+                }
+            }
+        }
+        count
+    }
+}
+
+/// The lowest `n` bits, at most sixteen.
+#[inline(always)]
+fn below(n: u32) -> u32 {
+    (1 << n.min(LANES as u32)) - 1
+}
+
+/// Sixteen pixels of a row that have several samples.
+struct Group {
+    /// Ids of the first samples; all bits where those show nothing.
+    first: [u32; LANES],
+    /// Pixels that show anything, bit by bit.
+    hits: u32,
+    /// Pixels of which all samples are near the first.
+    whole: u32,
+}
+
+impl Group {
+    #[inline(always)]
+    fn look(rows: &[&[Key]], x: usize, reach: &[u8]) -> Self {
+        let mut first = [0; LANES];
+        let mut hit = [0; LANES];
+        for (k, row) in rows.iter().enumerate() {
+            let keys = &row[x..x + LANES];
+            for l in 0..LANES {
+                let id = !(keys[l].0 as u32);
+                hit[l] |= flag(id != u32::MAX);
+                if k == 0 {
+                    first[l] = id;
+                }
+            }
+        }
+        let hits = bits(&hit);
+        let mut group = Self {
+            first,
+            hits,
+            whole: 0,
+        };
+        if hits != 0 && !reach.is_empty() {
+            group.whole = group.near_first(&rows[1..], x, reach);
+        }
+        group
+    }
+
+    /// Pixels of which all samples, those of `rows` too, are [`near`] the first.
+    #[inline(always)]
+    fn near_first(&self, rows: &[&[Key]], x: usize, reach: &[u8]) -> u32 {
+        let first = &self.first;
+        let mut far = [0; LANES];
+        let mut reaches = [0_u32; LANES];
+        for l in 0..LANES {
+            // Where the first sample shows nothing, any reach serves.
+            let rank = (first[l] >> 11) as usize;
+            reaches[l] = reach[rank.min(reach.len() - 1)].into();
+            far[l] = flag(first[l] == u32::MAX);
+        }
+        for row in rows {
+            let keys = &row[x..x + LANES];
+            for l in 0..LANES {
+                let id = !(keys[l].0 as u32);
+                let part = |shift: u32| {
+                    let of = |id: u32| (id >> shift & 31) as i32;
+                    (of(first[l]) - of(id)).unsigned_abs()
+                };
+                let apart = (part(1) > reaches[l]) | (part(6) > reaches[l]);
+                // The rank, and without a reach the half.
+                let other = (first[l] ^ id) & !(0x7fe | u32::from(reaches[l] != 0));
+                far[l] |= flag(apart | (other != 0));
+            }
+        }
+        bits(&far) ^ below(LANES as u32)
     }
 }
 

@@ -7,7 +7,9 @@
 use super::project::ProjectedBlock;
 use crate::dispatch;
 use crate::records::{BLOCK_LEN, BLOCK_STRIDE, Grid3};
-use crate::simd::{LANES, Level, bits, flag};
+use crate::simd::{LANES, Level, bits, fetch_pairs, flag};
+use std::hint::select_unpredictable;
+use std::ops::Range;
 
 /// Length of the arrays: a power of two, for a mask to keep every place inside.
 const PLACES: usize = BLOCK_LEN.next_power_of_two();
@@ -30,22 +32,6 @@ fn pair(low: u32, high: u32) -> u64 {
     u64::from(low) | u64::from(high) << 32
 }
 
-/// The components of the pairs at sixteen places.
-#[inline(always)]
-fn fetch(pairs: &[u64; PLACES], at: &[u32; LANES]) -> [[u32; LANES]; 2] {
-    let mut words = [0; LANES];
-    for l in 0..LANES {
-        // The mask stands here and not in the places: only so the compiler sees that no place is outside, and fetches in lanes.
-        words[l] = pairs[at[l] as usize & (PLACES - 1)];
-    }
-    let mut parts = [[0; LANES]; 2];
-    for l in 0..LANES {
-        parts[0][l] = words[l] as u32;
-        parts[1][l] = (words[l] >> 32) as u32;
-    }
-    parts
-}
-
 impl PairedBlock {
     /// An empty one, on the heap (48 KB, of which blocks of 33 by 33 points touch 38).
     #[must_use]
@@ -58,16 +44,22 @@ impl PairedBlock {
         })
     }
 
-    /// Takes over a block that is not clipped, and its normals.
-    pub fn fill(&mut self, level: Level, block: &ProjectedBlock, normals: &Grid3) {
+    /// Takes over some rows of points of a block that is not clipped, and their normals.
+    pub fn fill(
+        &mut self,
+        level: Level,
+        block: &ProjectedBlock,
+        normals: &Grid3,
+        rows: Range<usize>,
+    ) {
         self.ortho = block.ortho;
-        dispatch!(level, self.fill_rows(block, normals));
+        dispatch!(level, self.fill_rows(block, normals, rows));
     }
 
     #[inline(always)]
-    fn fill_rows(&mut self, block: &ProjectedBlock, normals: &Grid3) {
+    fn fill_rows(&mut self, block: &ProjectedBlock, normals: &Grid3, rows: Range<usize>) {
         // Small blocks stand at the start of few rows.
-        for j in 0..block.size.rows {
+        for j in rows {
             for i in (0..block.size.cols).step_by(LANES) {
                 let range = j * BLOCK_STRIDE + i..j * BLOCK_STRIDE + i + LANES;
                 let (x, y) = (&block.x[range.clone()], &block.y[range.clone()]);
@@ -116,8 +108,31 @@ fn corner_lanes(ids: &[u32; LANES]) -> [[u32; LANES]; 3] {
     at
 }
 
+/// What stands at the corners of the micro-triangles of sixteen samples, in the corners' order.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub struct CornerLanes {
+    position: [[[u32; LANES]; 2]; 3],
+    depth_z: [[[u32; LANES]; 2]; 3],
+    normal: [[[u32; LANES]; 2]; 3],
+}
+
+impl CornerLanes {
+    /// Fetches the corners of samples by their ids, in the block that they are of.
+    #[inline(always)]
+    pub fn fetch(&mut self, block: &PairedBlock, ids: &[u32; LANES]) {
+        let at = corner_lanes(ids);
+        for c in 0..3 {
+            fetch_pairs(&block.position, &at[c], &mut self.position[c]);
+            fetch_pairs(&block.depth_z, &at[c], &mut self.depth_z[c]);
+            fetch_pairs(&block.normal, &at[c], &mut self.normal[c]);
+        }
+    }
+}
+
 /// Samples of one block: the corners of their micro-triangles with their weights, and the side that is seen.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct SampleLanes {
     ids: [u32; LANES],
     weights: [[f32; LANES]; 3],
@@ -153,12 +168,13 @@ macro_rules! edges {
 }
 
 impl SampleLanes {
-    /// Samples by their ids, in the block that they are of. `x` and `y` are their positions on the screen, 1/256 pixel. Edge values
-    /// are products and differences of integers below 2^47: f64 holds them, and f32 where all corners are near.
+    /// Samples by their ids, with their corners in the block that they are of. `x` and `y` are their positions on the screen, 1/256 pixel.
+    /// Edge values are products and differences of integers below 2^47: f64 holds them, and f32 where all corners are near.
     #[must_use]
     #[inline(always)]
     pub fn new(
         block: &PairedBlock,
+        corners: &CornerLanes,
         ids: &[u32; LANES],
         x: &[i32; LANES],
         y: &[i32; LANES],
@@ -166,19 +182,13 @@ impl SampleLanes {
         let mut dx = [[0_i32; LANES]; 3];
         let mut dy = [[0_i32; LANES]; 3];
         let mut depth = [[0.0_f32; LANES]; 3];
-        let mut corner = [[[0.0_f32; LANES]; 3]; 3];
-        let at = corner_lanes(ids);
         for c in 0..3 {
-            let [px, py] = fetch(&block.position, &at[c]);
-            let [d, nz] = fetch(&block.depth_z, &at[c]);
-            let [nx, ny] = fetch(&block.normal, &at[c]);
+            let [px, py] = &corners.position[c];
+            let [d, _] = &corners.depth_z[c];
             for l in 0..LANES {
                 dx[c][l] = x[l] - px[l] as i32;
                 dy[c][l] = y[l] - py[l] as i32;
                 depth[c][l] = f32::from_bits(d[l]);
-                corner[0][c][l] = f32::from_bits(nx[l]);
-                corner[1][c][l] = f32::from_bits(ny[l]);
-                corner[2][c][l] = f32::from_bits(nz[l]);
             }
         }
         let mut far = [0; LANES];
@@ -205,19 +215,23 @@ impl SampleLanes {
             let (first, last) = if second { (w[2], w[0]) } else { (w[0], w[2]) };
             let sum = (first + w[1]) + last;
             let good = (sum > 0.0) & (sum <= f32::MAX);
-            let inverse = 1.0 / if good { sum } else { 1.0 };
-            let corner = |is: bool| if is { 1.0 } else { 0.0 };
-            weights[0][l] = if good {
-                w[0] * inverse
-            } else {
-                corner(!second)
-            };
-            weights[1][l] = if good { w[1] * inverse } else { 0.0 };
-            weights[2][l] = if good { w[2] * inverse } else { corner(second) };
+            let inverse = 1.0 / select_unpredictable(good, sum, 1.0);
+            // As `if` these would be stores under a mask.
+            let corner = |is: bool| select_unpredictable(is, 1.0, 0.0);
+            weights[0][l] = select_unpredictable(good, w[0] * inverse, corner(!second));
+            weights[1][l] = select_unpredictable(good, w[1] * inverse, 0.0);
+            weights[2][l] = select_unpredictable(good, w[2] * inverse, corner(second));
         }
         let mut normals = [[0.0; LANES]; 3];
         for i in 0..3 {
-            normals[i] = mix(&weights, &corner[i]);
+            let of = |c: usize| match i {
+                0 => &corners.normal[c][0],
+                1 => &corners.normal[c][1],
+                _ => &corners.depth_z[c][1],
+            };
+            normals[i] = mix(&weights, [of(0), of(1), of(2)], |bits| {
+                f32::from_bits(*bits)
+            });
         }
         Self {
             ids: *ids,
@@ -240,17 +254,22 @@ impl SampleLanes {
                     corner[c][l] = values[(at[c][l] as usize).min(BLOCK_LEN - 1)];
                 }
             }
-            *out = mix(&self.weights, &corner);
+            let [a, b, c] = &corner;
+            *out = mix(&self.weights, [a, b, c], |value| *value);
         }
         out
     }
 }
 
 #[inline(always)]
-fn mix(weights: &[[f32; LANES]; 3], corner: &[[f32; LANES]; 3]) -> [f32; LANES] {
+fn mix<T>(
+    weights: &[[f32; LANES]; 3],
+    corner: [&[T; LANES]; 3],
+    value: impl Fn(&T) -> f32,
+) -> [f32; LANES] {
     let mut out = [0.0; LANES];
     for l in 0..LANES {
-        let w = |c: usize| weights[c][l] * corner[c][l];
+        let w = |c: usize| weights[c][l] * value(&corner[c][l]);
         out[l] = (w(0) + w(1)) + w(2);
     }
     out
@@ -300,7 +319,7 @@ mod tests {
             project(Level::SCALAR, &grid, size, &projection, &mut block);
             assert!(!block.is_clipped());
             let mut paired = PairedBlock::boxed();
-            paired.fill(Level::SCALAR, &block, &grid);
+            paired.fill(Level::SCALAR, &block, &grid, 0..size.rows);
             let (mut fronts, mut lanes) = (0, 0);
             for k in 0..64_u32 {
                 let ids: [u32; LANES] =
@@ -308,8 +327,11 @@ mod tests {
                 // Any place serves: weights come from sizes of edge values.
                 let x: [i32; LANES] = std::array::from_fn(|l| (k as i32 * 7 + l as i32) % 64);
                 let y: [i32; LANES] = std::array::from_fn(|l| (k as i32 * 5 + 3 * l as i32) % 64);
+                let mut corners = CornerLanes::default();
+                corners.fetch(&paired, &ids);
                 let at = SampleLanes::new(
                     &paired,
+                    &corners,
                     &ids,
                     &x.map(|x| x * 256 + 128),
                     &y.map(|y| y * 256 + 128),

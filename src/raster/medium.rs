@@ -1,14 +1,17 @@
-//! Micro-quads of a few to some dozen pixels: lanes are 16 pixels of a row, both halves at once from five edges in i32. The
-//! diagonal's sign is taken once for both halves.
+//! Micro-quads of a few to some dozen pixels: lanes are 8 by 2 pixels, both halves at once from five edges in i32. The diagonal's sign is
+//! taken once for both halves.
 
 use super::edge::{ScreenVertex, first_pixel, threshold};
 use super::samples::sample_positions;
 use super::tile::{Cell, Tile};
-use crate::simd::LANES;
+use crate::simd::{LANES, Lanes};
 
 /// Largest extent, 1/256 pixel. Bound by time, not exactness (edge values stay below 2^30): beyond, computing only the covered
 /// runs of a row pays for its divisions.
 pub(super) const MEDIUM_EXTENT: i32 = 48 * 256;
+
+/// Pixels of a row among the lanes.
+const COLS: usize = 8;
 
 /// Draws the quad with corners `a` (i, j), `b` (i+1, j), `c` (i+1, j+1), `d` (i, j+1), of extent up to [`MEDIUM_EXTENT`] and not
 /// folded along its diagonal. `id` is that of half 0.
@@ -31,10 +34,11 @@ pub(super) fn quad<C: Cell>(tile: &mut Tile<C>, corners: &[ScreenVertex; 4], id:
     let inverse0 = 1.0 / area0.unsigned_abs() as f32;
     let inverse1 = 1.0 / area1.unsigned_abs() as f32;
 
-    let mut steps = [[0; LANES]; 5];
-    for (step, dy) in steps.iter_mut().zip(dy) {
-        for (l, step) in step.iter_mut().enumerate() {
-            *step = dy * (-256 * l as i32);
+    let mut steps = [Lanes([0; LANES]); 5];
+    for k in 0..5 {
+        for l in 0..LANES {
+            let [x, y] = [l % COLS, l / COLS].map(|n| 256 * n as i32);
+            steps[k][l] = dx[k] * y - dy[k] * x;
         }
     }
     for (s, &[ox, oy]) in sample_positions(tile.samples()).iter().enumerate() {
@@ -49,12 +53,13 @@ pub(super) fn quad<C: Cell>(tile: &mut Tile<C>, corners: &[ScreenVertex; 4], id:
                 let p = edges[k].0;
                 dx[k] * (y - p.y) - dy[k] * (x - p.x)
             });
-            let live = px1 - px;
+            let across = px1 - px;
             let mut at = tile.plane(s) + (py0 - ty) as usize * tile.stride + (px - tx) as usize;
-            for _ in py0..py1 {
-                let mut depth = [0.0; LANES];
+            for py in (py0..py1).step_by(LANES / COLS) {
+                let down = py1 - py;
+                let mut depth = Lanes([0.0; LANES]);
                 // 0 no hit, 1 half 0, 2 half 1.
-                let mut halves = [0_u32; LANES];
+                let mut halves = Lanes([0_u32; LANES]);
                 for l in 0..LANES {
                     let ab = e[0] + steps[0][l];
                     let bc = e[1] + steps[1][l];
@@ -66,7 +71,8 @@ pub(super) fn quad<C: Cell>(tile: &mut Tile<C>, corners: &[ScreenVertex; 4], id:
                     let p_ac = ac >= t_ac;
                     let half0 = (p_ab == (bc >= t_bc)) & (p_ab != p_ac);
                     let half1 = (p_dc == (ad >= t_ad)) & (p_dc != p_ac);
-                    let hit = (half0 | half1) & ((l as i32) < live);
+                    let live = (((l % COLS) as i32) < across) & (((l / COLS) as i32) < down);
+                    let hit = (half0 | half1) & live;
                     halves[l] = if hit { 1 + u32::from(!half0) } else { 0 };
                     let w0 = (if half0 { bc } else { dc }).abs() as f32;
                     let w1 = ac.abs() as f32;
@@ -75,17 +81,21 @@ pub(super) fn quad<C: Cell>(tile: &mut Tile<C>, corners: &[ScreenVertex; 4], id:
                     let inverse = if half0 { inverse0 } else { inverse1 };
                     depth[l] = ((w0 * za + w1 * z1) + w2 * zc) * inverse;
                 }
-                let row = &mut tile.cells[at..at + LANES];
-                for l in 0..LANES {
-                    let half = halves[l];
-                    row[l].put(half != 0, depth[l], id | (half >> 1), front);
+                let rows = halves.chunks_exact(COLS).zip(depth.chunks_exact(COLS));
+                for (row, (halves, depth)) in rows.enumerate().take(down as usize) {
+                    let at = at + row * tile.stride;
+                    let cells = &mut tile.cells[at..at + COLS];
+                    for l in 0..COLS {
+                        let half = halves[l];
+                        cells[l].put(half != 0, depth[l], id | (half >> 1), front);
+                    }
                 }
                 for k in 0..5 {
-                    e[k] += dx[k] * 256;
+                    e[k] += dx[k] * (256 * (LANES / COLS) as i32);
                 }
-                at += tile.stride;
+                at += LANES / COLS * tile.stride;
             }
-            px += LANES as i32;
+            px += COLS as i32;
         }
     }
 }
@@ -96,9 +106,9 @@ mod tests {
 
     #[test]
     fn edge_values_fit() {
-        // A vector overruns the box by up to 15 pixels.
+        // A vector overruns the box by less than its columns, and by less than its rows.
         let extent = i64::from(MEDIUM_EXTENT);
-        let reach = extent + 256 * 16;
+        let reach = extent + 256 * COLS.max(LANES / COLS) as i64;
         assert!(2 * extent * reach < 1 << 31);
     }
 }

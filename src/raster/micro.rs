@@ -11,7 +11,7 @@ use super::samples::sample_positions;
 use super::tile::{Cell, Tile};
 use crate::math::positive;
 use crate::records::BLOCK_STRIDE;
-use crate::simd::{LANES, bits, flag};
+use crate::simd::{LANES, Lanes, bits, flag, word_bits};
 use std::hint::select_unpredictable;
 
 /// Largest extent, 1/256 pixel, of a micro-quad of this path; its window is then at most 6 by 6 samples. Larger makes vectors wait
@@ -35,8 +35,8 @@ pub(super) struct Chunk {
     pub(super) refuse: bool,
 }
 
-type Floats = [f32; LANES];
-type Ints = [i32; LANES];
+type Floats = Lanes<f32>;
+type Ints = Lanes<i32>;
 
 /// The bit of each lane in a mask.
 const LANE_BITS: [u32; LANES] = {
@@ -72,10 +72,10 @@ pub(super) fn chunk<C: Cell>(
     // Boxes, and who is of this path.
     let (left, top) = (tile.x0 * 256, tile.y0 * 256);
     let (right, bottom) = (left + tile.width * 256, top + tile.height * 256);
-    let mut x_low: Ints = [0; LANES];
-    let mut x_high: Ints = [0; LANES];
-    let mut y_low: Ints = [0; LANES];
-    let mut y_high: Ints = [0; LANES];
+    let mut x_low: Ints = Lanes([0; LANES]);
+    let mut x_high: Ints = Lanes([0; LANES]);
+    let mut y_low: Ints = Lanes([0; LANES]);
+    let mut y_high: Ints = Lanes([0; LANES]);
     // Lanes of this path, and lanes that touch the tile.
     let mut fits = [0; LANES];
     let mut touching = [0; LANES];
@@ -95,12 +95,12 @@ pub(super) fn chunk<C: Cell>(
     }
 
     // Edges ab, bc, dc, ad, ac: directions, and thresholds of their signs.
-    let mut ex: [Floats; 5] = [[0.0; LANES]; 5];
-    let mut ey: [Floats; 5] = [[0.0; LANES]; 5];
-    let mut et: [Floats; 5] = [[0.0; LANES]; 5];
-    let mut inverse0: Floats = [0.0; LANES];
-    let mut inverse1: Floats = [0.0; LANES];
-    let mut front: Ints = [0; LANES];
+    let mut ex: [Floats; 5] = [Lanes([0.0; LANES]); 5];
+    let mut ey: [Floats; 5] = [Lanes([0.0; LANES]); 5];
+    let mut et: [Floats; 5] = [Lanes([0.0; LANES]); 5];
+    let mut inverse0: Floats = Lanes([0.0; LANES]);
+    let mut inverse1: Floats = Lanes([0.0; LANES]);
+    let mut front: Ints = Lanes([0; LANES]);
     let mut folded = [0; LANES];
     for l in 0..LANES {
         let x = [
@@ -137,7 +137,7 @@ pub(super) fn chunk<C: Cell>(
     let (zc, zd) = (&block.depth[lower1], &block.depth[lower]);
     let (tile_right, tile_bottom) = (tile.x0 + tile.width, tile.y0 + tile.height);
     let stride = tile.stride as i32;
-    let mut ids = [0; LANES];
+    let mut ids = Lanes([0; LANES]);
     let mut across_step = ey;
     for l in 0..LANES {
         ids[l] = chunk.id + 2 * l as u32;
@@ -148,10 +148,10 @@ pub(super) fn chunk<C: Cell>(
     let mut batch = Batch::<C>::new();
     for (s, &[ox, oy]) in sample_positions(tile.samples()).iter().enumerate() {
         // Windows, and the edge values at their first samples.
-        let mut across: Ints = [0; LANES];
-        let mut down: Ints = [0; LANES];
-        let mut base: Ints = [0; LANES];
-        let mut row: [Floats; 5] = [[0.0; LANES]; 5];
+        let mut across: Ints = Lanes([0; LANES]);
+        let mut down: Ints = Lanes([0; LANES]);
+        let mut base: Ints = Lanes([0; LANES]);
+        let mut row: [Floats; 5] = [Lanes([0.0; LANES]); 5];
         for l in 0..LANES {
             let px = first_pixel(x_low[l], ox).max(tile.x0);
             let py = first_pixel(y_low[l], oy).max(tile.y0);
@@ -189,9 +189,9 @@ pub(super) fn chunk<C: Cell>(
                     }
                     break;
                 }
-                let mut hit = [0; LANES];
-                let mut depth: Floats = [0.0; LANES];
-                let mut id = [0; LANES];
+                let mut hit: Ints = Lanes([0; LANES]);
+                let mut depth: Floats = Lanes([0.0; LANES]);
+                let mut id = Lanes([0; LANES]);
                 for l in 0..LANES {
                     let [ab, bc, dc, ad, ac] = [0, 1, 2, 3, 4].map(|e| at[e][l]);
                     let p_ab = ab >= et[0][l];
@@ -199,7 +199,7 @@ pub(super) fn chunk<C: Cell>(
                     let p_ac = ac >= et[4][l];
                     let half0 = (p_ab == (bc >= et[1][l])) & (p_ab != p_ac);
                     let half1 = (p_dc == (ad >= et[3][l])) & (p_dc != p_ac);
-                    hit[l] = flag(half0 | half1);
+                    hit[l] = -i32::from(half0 | half1);
                     // An `if` here may become a choice of addresses, and a gather.
                     let w0 = select_unpredictable(half0, bc, dc).abs();
                     let w2 = select_unpredictable(half0, ab, ad).abs();
@@ -221,7 +221,7 @@ pub(super) fn chunk<C: Cell>(
                 for l in 0..LANES {
                     values[l] = C::pack(depth[l], id[l], front[l] != 0);
                 }
-                batch.hits |= u64::from(bits(&hit) & here) << (LANES * batch.len);
+                batch.hits |= u64::from(word_bits(&hit) & here) << (LANES * batch.len);
                 batch.len += 1;
                 if batch.len == SLOTS {
                     let plane = &mut tile.cells[plane_at..plane_end];
@@ -245,9 +245,10 @@ const SLOTS: usize = 4;
 
 /// Hits of a few slots. How many there are is hard to foresee for a processor: one loop over those of all slots is wrong about its
 /// end once, where a loop per slot is for each. What the loop needs of a hit was made in lanes.
+#[repr(C, align(64))]
 struct Batch<C: Cell> {
     /// Of the plane.
-    cells: [Ints; SLOTS],
+    cells: [[i32; LANES]; SLOTS],
     values: [[C::Packed; LANES]; SLOTS],
     /// Lanes of all slots, bit by bit: those that are hit.
     hits: u64,

@@ -31,8 +31,8 @@ pub use draw::{
 };
 #[doc(hidden)]
 pub use edge::Fault;
-pub use lanes::{PairedBlock, SampleLanes};
-pub use project::{GUARD_BAND, ProjectedBlock, project};
+pub use lanes::{CornerLanes, PairedBlock, SampleLanes};
+pub use project::{GUARD_BAND, ProjectedBlock, project, project_rows};
 pub use samples::sample_positions;
 pub use setup::{PixelBox, bounds};
 pub use tile::{Cell, Coverage, Key, Tile, tile_side};

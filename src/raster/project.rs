@@ -8,7 +8,8 @@ use super::edge::ScreenVertex;
 use super::setup::{DEPTH_MARGIN, PixelBox};
 use crate::dispatch;
 use crate::records::{BLOCK_LEN, BLOCK_STRIDE, BlockSize, Grid3, Projection};
-use crate::simd::{LANES, Level};
+use crate::simd::{LANES, Lanes, Level};
+use std::ops::Range;
 
 /// Positions on the screen stay below this, in 1/256 pixel; what is farther out is clipped. Differences are then below 2^23, edge
 /// functions below 2^47: exact in i64 and in f64.
@@ -134,6 +135,21 @@ pub fn project(
     projection: &Projection,
     out: &mut ProjectedBlock,
 ) {
+    project_rows(level, grid, (size, 0..size.rows), projection, out);
+}
+
+/// The same for some rows of points. The others mean nothing then, and what is said of the block as a whole is said of these rows.
+///
+/// # Panics
+/// `size` is not within 2 to 33 points, or has fewer rows.
+pub fn project_rows(
+    level: Level,
+    grid: &Grid3,
+    (size, rows): (BlockSize, Range<usize>),
+    projection: &Projection,
+    out: &mut ProjectedBlock,
+) {
+    assert!(rows.end <= size.rows, "no such rows");
     assert!(
         (2..=33).contains(&size.cols) && (2..=33).contains(&size.rows),
         "blocks have 2 to 33 points a side, not {} by {}",
@@ -144,9 +160,9 @@ pub fn project(
     out.near = projection.near;
     out.ortho = projection.ortho;
     if projection.ortho {
-        dispatch!(level, project_rows::<true>(grid, projection, out));
+        dispatch!(level, rows_kernel::<true>(grid, rows, projection, out));
     } else {
-        dispatch!(level, project_rows::<false>(grid, projection, out));
+        dispatch!(level, rows_kernel::<false>(grid, rows, projection, out));
     }
     if out.clip {
         keep_homogeneous(grid, projection, out);
@@ -192,56 +208,105 @@ pub(super) fn snap<const ORTHO: bool>(
     (round(x), round(y), depth, inside)
 }
 
+/// What all points of a block have in common, lane by lane.
+struct Extent {
+    low: [Lanes<i32>; 2],
+    high: [Lanes<i32>; 2],
+    outside: Lanes<u32>,
+    nearest: Lanes<f32>,
+}
+
+/// Sixteen points on the screen.
+struct Snapped {
+    x: Lanes<i32>,
+    y: Lanes<i32>,
+    depth: Lanes<f32>,
+}
+
+impl Extent {
+    #[inline(always)]
+    fn add<const ORTHO: bool>(&mut self, p: &Projection, points: &[Lanes<f32>; 3]) -> Snapped {
+        let mut out = Snapped {
+            x: Lanes([0; LANES]),
+            y: Lanes([0; LANES]),
+            depth: Lanes([0.0; LANES]),
+        };
+        for l in 0..LANES {
+            let (x, y, z) = (points[0][l], points[1][l], points[2][l]);
+            let hw = if ORTHO { 1.0 } else { dot(&p.w, x, y, z) };
+            let hd = if ORTHO { dot(&p.d, x, y, z) } else { 0.0 };
+            let (sx, sy, depth, inside) =
+                snap::<ORTHO>(dot(&p.x, x, y, z), dot(&p.y, x, y, z), hw, hd, p.near);
+            (out.x[l], out.y[l], out.depth[l]) = (sx, sy, depth);
+            self.outside[l] |= u32::from(!inside);
+            let nearest = self.nearest[l];
+            self.nearest[l] = if depth > nearest { depth } else { nearest };
+            self.low[0][l] = self.low[0][l].min(sx);
+            self.low[1][l] = self.low[1][l].min(sy);
+            self.high[0][l] = self.high[0][l].max(sx);
+            self.high[1][l] = self.high[1][l].max(sy);
+        }
+        out
+    }
+}
+
 #[inline(always)]
-fn project_rows<const ORTHO: bool>(grid: &Grid3, p: &Projection, out: &mut ProjectedBlock) {
-    let BlockSize { cols, rows } = out.size;
-    // Whole vectors: the points beyond the last column are finite and only cost time, but they must not widen the box.
-    let mut low_x = [i32::MAX; LANES];
-    let mut low_y = [i32::MAX; LANES];
-    let mut high_x = [i32::MIN; LANES];
-    let mut high_y = [i32::MIN; LANES];
-    let mut outside = [0_u32; LANES];
-    let mut nearest = [0.0_f32; LANES];
-    for j in 0..rows {
-        for i0 in (0..cols).step_by(LANES) {
+fn rows_kernel<const ORTHO: bool>(
+    grid: &Grid3,
+    rows: Range<usize>,
+    p: &Projection,
+    out: &mut ProjectedBlock,
+) {
+    let cols = out.size.cols;
+    let mut all = Extent {
+        low: [Lanes([i32::MAX; LANES]); 2],
+        high: [Lanes([i32::MIN; LANES]); 2],
+        outside: Lanes([0; LANES]),
+        nearest: Lanes([0.0; LANES]),
+    };
+    let components = [&grid.x, &grid.y, &grid.z];
+    let mut points = [Lanes([0.0; LANES]); 3];
+    // A column beyond whole vectors goes in lanes of its own.
+    let whole = cols - usize::from(cols % LANES == 1);
+    for j in rows.clone() {
+        for i0 in (0..whole).step_by(LANES) {
             let range = j * BLOCK_STRIDE + i0..j * BLOCK_STRIDE + i0 + LANES;
-            let (gx, gy, gz) = (
-                &grid.x[range.clone()],
-                &grid.y[range.clone()],
-                &grid.z[range.clone()],
-            );
-            let real = (cols - i0) as i32;
-            // Results go through local arrays: the compiler cannot know that `out` and `grid` do not overlap.
-            let mut ox = [0; LANES];
-            let mut oy = [0; LANES];
-            let mut od = [0.0; LANES];
-            for l in 0..LANES {
-                let (x, y, z) = (gx[l], gy[l], gz[l]);
-                let hw = if ORTHO { 1.0 } else { dot(&p.w, x, y, z) };
-                let hd = if ORTHO { dot(&p.d, x, y, z) } else { 0.0 };
-                let (sx, sy, depth, inside) =
-                    snap::<ORTHO>(dot(&p.x, x, y, z), dot(&p.y, x, y, z), hw, hd, p.near);
-                (ox[l], oy[l], od[l]) = (sx, sy, depth);
-                let real = (l as i32) < real;
-                outside[l] |= u32::from(real & !inside);
-                let near = if real { depth } else { 0.0 };
-                nearest[l] = if near > nearest[l] { near } else { nearest[l] };
-                low_x[l] = low_x[l].min(if real { sx } else { i32::MAX });
-                low_y[l] = low_y[l].min(if real { sy } else { i32::MAX });
-                high_x[l] = high_x[l].max(if real { sx } else { i32::MIN });
-                high_y[l] = high_y[l].max(if real { sy } else { i32::MIN });
+            let real = whole - i0;
+            // Points beyond the last column must not widen the box: they are the first once more.
+            for (lanes, values) in points.iter_mut().zip(components) {
+                let values = &values[range.clone()];
+                lanes.copy_from_slice(values);
+                if real < LANES {
+                    lanes[real..].fill(values[0]);
+                }
             }
-            out.x[range.clone()].copy_from_slice(&ox);
-            out.y[range.clone()].copy_from_slice(&oy);
-            out.depth[range].copy_from_slice(&od);
+            let at = all.add::<ORTHO>(p, &points);
+            out.x[range.clone()].copy_from_slice(&at.x.0);
+            out.y[range.clone()].copy_from_slice(&at.y.0);
+            out.depth[range].copy_from_slice(&at.depth.0);
         }
     }
-    let least = |lanes: [i32; LANES]| lanes.into_iter().fold(i32::MAX, i32::min);
-    let most = |lanes: [i32; LANES]| lanes.into_iter().fold(i32::MIN, i32::max);
-    out.clip = outside.iter().any(|&o| o != 0);
-    out.low = [least(low_x), least(low_y)];
-    out.high = [most(high_x), most(high_y)];
-    out.nearest = nearest.into_iter().fold(0.0, f32::max);
+    if whole < cols {
+        for j0 in rows.clone().step_by(LANES) {
+            let place = |l: usize| (j0 + l).min(rows.end - 1) * BLOCK_STRIDE + whole;
+            for (lanes, values) in points.iter_mut().zip(components) {
+                for l in 0..LANES {
+                    lanes[l] = values[place(l)];
+                }
+            }
+            let at = all.add::<ORTHO>(p, &points);
+            for l in 0..LANES {
+                let k = place(l);
+                (out.x[k], out.y[k], out.depth[k]) = (at.x[l], at.y[l], at.depth[l]);
+            }
+        }
+    }
+    let least = |lanes: &Lanes<i32>| lanes.iter().copied().fold(i32::MAX, i32::min);
+    let most = |lanes: &Lanes<i32>| lanes.iter().copied().fold(i32::MIN, i32::max);
+    out.clip = all.outside.iter().any(|&o| o != 0);
+    out.low = [least(&all.low[0]), least(&all.low[1])];
+    out.high = [most(&all.high[0]), most(&all.high[1])];
+    out.nearest = all.nearest.iter().copied().fold(0.0, f32::max);
 }
 
 /// Second pass over the few blocks that are clipped.

@@ -7,10 +7,13 @@
 use super::setup::PixelBox;
 use crate::dispatch;
 use crate::records::SampleId;
-use crate::simd::Level;
+use crate::simd::{LANES, Level};
 
 /// Unused cells at the end of every row of a tile.
-pub(super) const APRON: usize = 16;
+pub(super) const APRON: usize = LANES;
+
+/// More cells than there are from any to the next cache line.
+const LINE: usize = 8;
 
 /// Side in pixels of the tiles that frames are cut into. It trades blocks diced twice at tile borders against the cache; it never
 /// changes a pixel.
@@ -133,6 +136,8 @@ pub struct Tile<C = Key> {
     samples: u32,
     pub(super) stride: usize,
     pub(super) cells: Vec<C>,
+    /// Where the first row begins: at a cache line.
+    base: usize,
 }
 
 impl<C: Cell> Tile<C> {
@@ -150,6 +155,7 @@ impl<C: Cell> Tile<C> {
             samples,
             stride: 0,
             cells: Vec::new(),
+            base: 0,
         };
         tile.place(x0, y0, width, height, samples);
         tile
@@ -174,10 +180,9 @@ impl<C: Cell> Tile<C> {
         self.samples = samples;
         self.stride = width as usize + APRON;
         self.cells.clear();
-        self.cells.resize(
-            self.stride * height as usize * samples as usize,
-            C::default(),
-        );
+        let len = self.stride * height as usize * samples as usize;
+        self.cells.resize(len + LINE, C::default());
+        self.base = self.cells.as_ptr().align_offset(64).min(LINE);
     }
 
     /// Empties every cell.
@@ -209,6 +214,14 @@ impl<C: Cell> Tile<C> {
         &self.cells[at..at + self.width as usize]
     }
 
+    /// [`Tile::row`], filled up to whole vectors with cells of the apron. What these hold means nothing.
+    #[must_use]
+    #[inline]
+    pub(crate) fn padded_row(&self, y: u32, sample: u32) -> &[C] {
+        let at = self.plane(sample as usize) + y as usize * self.stride;
+        &self.cells[at..at + (self.width as usize).next_multiple_of(LANES)]
+    }
+
     /// The cell at a sample; `x` and `y` count from the tile's upper left pixel.
     #[must_use]
     #[inline]
@@ -218,7 +231,7 @@ impl<C: Cell> Tile<C> {
 
     #[inline(always)]
     pub(super) fn plane(&self, sample: usize) -> usize {
-        sample * self.height as usize * self.stride
+        self.base + sample * self.height as usize * self.stride
     }
 }
 
@@ -236,16 +249,18 @@ impl Tile<Key> {
         let clip = |v: u32, from: i32, size: i32| (v as i32 - from).clamp(0, size) as usize;
         let [x0, x1] = [hull.low[0], hull.high[0]].map(|x| clip(x, self.x0, self.width));
         let [y0, y1] = [hull.low[1], hull.high[1]].map(|y| clip(y, self.y0, self.height));
-        if x0 >= x1 {
+        if x0 >= x1 || y0 >= y1 {
             return true;
         }
         // The largest key at that depth: ids decide among equals, so the sample must be nearer.
         let most = u64::from(hull.nearest.to_bits()) << 32 | 0xffff_ffff;
         (0..self.samples as usize).all(|s| {
-            (y0..y1).all(|y| {
-                let at = self.plane(s) + y * self.stride;
-                dispatch!(level, all_above(&self.cells[at + x0..at + x1], most))
-            })
+            let at = self.plane(s) + y0 * self.stride + x0;
+            let (rows, len) = (y1 - y0, x1 - x0);
+            dispatch!(
+                level,
+                all_above(&self.cells[at..], self.stride, rows, len, most)
+            )
         })
     }
 
@@ -259,14 +274,20 @@ impl Tile<Key> {
     }
 }
 
+/// Whether the first `len` keys of all rows are above `most`.
 #[inline(always)]
-fn all_above(keys: &[Key], most: u64) -> bool {
-    // Both below 2^63: the signed comparison is the one that vectors have.
-    let mut least = i64::MAX;
-    for key in keys {
-        least = least.min(key.0 as i64);
+fn all_above(cells: &[Key], stride: usize, rows: usize, len: usize, most: u64) -> bool {
+    for row in 0..rows {
+        // Both below 2^63: the signed comparison is the one that vectors have.
+        let mut least = i64::MAX;
+        for key in &cells[row * stride..row * stride + len] {
+            least = least.min(key.0 as i64);
+        }
+        if least <= most as i64 {
+            return false;
+        }
     }
-    least > most as i64
+    true
 }
 
 #[cfg(test)]

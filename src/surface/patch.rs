@@ -177,6 +177,19 @@ impl ChannelPatch {
         }
     }
 
+    fn dice_rows(
+        &self,
+        [bu, bv]: [u32; 2],
+        rows: [u32; 2],
+        points: &mut Grid3,
+        normals: &mut Grid3,
+    ) {
+        match self.by {
+            By::Quad => self.quad.dice_rows([bu, bv], rows, points, normals),
+            _ => self.dice(bu, bv, points, Some(normals)),
+        }
+    }
+
     fn spline(&self) -> Option<Spline> {
         match self.by {
             By::Quad => self.quad.spline().map(Spline::Quad),
@@ -435,6 +448,18 @@ impl QuadPatch {
             );
         }
         self.points.dice(bu, bv, points, normals);
+    }
+
+    /// The same with normals, of a surface that is not displaced, where only rows from the first to the last of `rows` are wanted. The others
+    /// mean nothing.
+    pub(crate) fn dice_rows(
+        &self,
+        block: [u32; 2],
+        rows: [u32; 2],
+        points: &mut Grid3,
+        normals: &mut Grid3,
+    ) {
+        self.points.dice_rows(block, rows, points, normals);
     }
 
     fn dice_displaced(
