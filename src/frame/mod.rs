@@ -441,6 +441,13 @@ impl Renderer {
         if let Some(material) = scene.default_material {
             shader = shader.with_default_material(material);
         }
+        let is_flat = matches!(
+            self.refinement,
+            Refinement::Adaptive(_) | Refinement::Default { .. }
+        );
+        if is_flat && sources.iter().all(Source::is_flat) {
+            shader = shader.with_folds();
+        }
         let mut frame = Frame {
             view: *view,
             size,

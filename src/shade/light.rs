@@ -91,42 +91,12 @@ impl LightRig {
         )
     }
 
-    /// Light that a surface sends to the eye. `normal`, `geometric` and `to_eye` have any length but a direction; both sides
-    /// of the surface are lit. Every channel of the result is from 0 to 1.
+    /// Light that a surface sends to the eye. `normal` and the vector `v` to the eye have length 1; `side` is 1 where the front is seen and -1
+    /// where the back is, which is lit as well. Every channel of the result is from 0 to 1.
     #[must_use]
     #[inline(always)]
-    pub fn light(
-        &self,
-        normal: [f32; 3],
-        geometric: [f32; 3],
-        to_eye: [f32; 3],
-        albedo: [f32; 3],
-    ) -> [f32; 3] {
-        // The side seen is the geometry's matter: near the silhouette a limit normal may lean away from the eye.
-        let side = if dot(geometric, unit(to_eye)) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
-        self.light_side(normal, side, to_eye, albedo)
-    }
-
-    /// The same where the side seen is known: 1 the front, -1 the back; 0 leaves it to the normal.
-    #[must_use]
-    #[inline(always)]
-    pub fn light_side(
-        &self,
-        normal: [f32; 3],
-        side: f32,
-        to_eye: [f32; 3],
-        albedo: [f32; 3],
-    ) -> [f32; 3] {
-        let v = unit(to_eye);
-        let n = unit(normal);
-        let turned = if dot(n, v) < 0.0 { -1.0 } else { 1.0 };
-        let side = if side == 0.0 { turned } else { side };
-        let n = [n[0] * side, n[1] * side, n[2] * side];
-
+    pub fn light(&self, normal: [f32; 3], side: f32, v: [f32; 3], albedo: [f32; 3]) -> [f32; 3] {
+        let n = [normal[0] * side, normal[1] * side, normal[2] * side];
         let key = wrapped(dot(n, self.key.toward));
         let fill = wrapped(dot(n, self.fill.toward));
         // The rim light shows where the surface turns away.
@@ -156,6 +126,19 @@ impl LightRig {
     }
 }
 
+/// The side that is seen: 1 the front, -1 the back. `side` is that of the triangle, or 0 where it has none to tell; `normal` and the vector
+/// `v` to the eye have length 1. From the cosine `decided` on the normal is believed against the triangle.
+#[inline(always)]
+pub(super) fn side_seen(normal: [f32; 3], side: f32, v: [f32; 3], decided: f32) -> f32 {
+    let facing = dot(normal, v);
+    let turned = if facing < 0.0 { -1.0 } else { 1.0 };
+    if side == 0.0 || facing * side < -decided {
+        turned
+    } else {
+        side
+    }
+}
+
 /// Wrapped diffuse light: 1 facing the lamp, smoothly 0 at `-WRAP`.
 #[inline(always)]
 fn wrapped(cosine: f32) -> f32 {
@@ -176,7 +159,7 @@ fn shoulder(x: f32) -> f32 {
 
 /// Length 1, without asking whether there is a direction.
 #[inline(always)]
-fn unit(v: [f32; 3]) -> [f32; 3] {
+pub(super) fn unit(v: [f32; 3]) -> [f32; 3] {
     let d = dot(v, v);
     let d = if d > f32::MIN_POSITIVE {
         d
@@ -233,6 +216,25 @@ mod tests {
         assert!(near(sides(90.0), [plain[2], plain[1], -plain[0]]));
         assert!(near(sides(180.0), [-plain[0], plain[1], -plain[2]]));
         assert!(near(sides(360.0), plain));
+    }
+
+    #[test]
+    fn normals_are_believed_against_triangles_where_they_are_decided() {
+        let v = [0.0, 0.0, 1.0];
+        let seen = |cosine: f32, side: f32, decided: f32| {
+            let leaning = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];
+            side_seen(leaning, side, v, decided)
+        };
+        for side in [1.0, -1.0] {
+            assert_eq!(seen(0.9, side, 0.25), 1.0);
+            assert_eq!(seen(-0.9, side, 0.25), -1.0);
+            // Near a silhouette the triangle knows.
+            assert_eq!(seen(0.2, side, 0.25), side);
+            assert_eq!(seen(-0.2, side, 0.25), side);
+            assert_eq!(seen(-0.9, side, f32::INFINITY), side);
+        }
+        assert_eq!(seen(0.2, 0.0, f32::INFINITY), 1.0);
+        assert_eq!(seen(-0.2, 0.0, f32::INFINITY), -1.0);
     }
 
     #[test]

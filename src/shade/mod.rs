@@ -14,9 +14,10 @@ pub use surface::{NO_MATERIAL, SurfaceMaterial, SurfacePoint, has_direction};
 
 use crate::camera::View;
 use crate::film::Encoding;
-use crate::math::{DVec3, saturate};
+use crate::math::{DVec3, dot, saturate};
 use crate::simd::{LANES, Level};
 use crate::texture::Texture;
+use light::{side_seen, unit};
 
 /// Points shaded together by [`Shader::shade_all`]. 16 fills the widest vector registers; the arrays of one group take 1 KB.
 const GROUP: usize = 16;
@@ -65,6 +66,9 @@ pub(crate) const LEVEL_COLORS: [[f32; 3]; 11] = [
     [0.45, 0.30, 0.22],
 ];
 
+/// Cosine to the eye from which on normals of a flat tessellation are decided.
+const FOLDED: f32 = 0.25;
+
 /// Shades the points of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader<'a> {
@@ -74,6 +78,7 @@ pub struct Shader<'a> {
     back: [f32; 3],
     rays: [[f32; 3]; 3],
     ortho: bool,
+    decided: f32,
     default: SurfaceMaterial,
     materials: &'a [SurfaceMaterial],
     textures: &'a [Texture],
@@ -97,6 +102,7 @@ impl<'a> Shader<'a> {
             back: view.forward.map(|c| -c),
             rays: rays_to_eye(view),
             ortho: view.projection.ortho,
+            decided: f32::INFINITY,
             default: SurfaceMaterial::CLAY,
             materials,
             textures,
@@ -122,6 +128,14 @@ impl<'a> Shader<'a> {
     #[must_use]
     pub fn with_default_material(mut self, material: SurfaceMaterial) -> Self {
         self.default = material;
+        self
+    }
+
+    /// The same shader for triangles within a few degrees of their normals: one that is seen from the side that its normals decidedly are not is
+    /// folded over. That happens by less than a pixel where levels meet and points have moved.
+    #[must_use]
+    pub fn with_folds(mut self) -> Self {
+        self.decided = FOLDED;
         self
     }
 
@@ -164,9 +178,10 @@ impl<'a> Shader<'a> {
     pub fn shade(&self, point: &SurfacePoint) -> [f32; 4] {
         let rgb = match self.mode {
             ShadeMode::Lit | ShadeMode::Flat => {
-                let (normal, geometric, to_eye) = self.vectors(point);
+                let (normal, side, to_eye) = self.vectors(point);
                 let [r, g, b, a] = self.albedo(point);
-                return premultiply(self.lights.light(normal, geometric, to_eye, [r, g, b]), a);
+                let light = (self.lights).light(unit(normal), side, unit(to_eye), [r, g, b]);
+                return premultiply(light, a);
             }
             ShadeMode::Normals => self.normal(point).map(|c| c * 0.5 + 0.5),
             ShadeMode::Uv => match point.uv {
@@ -218,7 +233,7 @@ impl<'a> Shader<'a> {
     }
 
     /// Opaque surfaces under light in lanes: `x` and `y` are positions on the screen, 1/256 pixel; `side` is 1 where the front is
-    /// seen, -1 where the back is, 0 where the normal decides. Normals have any length but a direction. The vector to the eye is that of the pixel, not of the
+    /// seen, -1 where the back is, 0 where the normal decides alone. Normals have any length but a direction. The vector to the eye is that of the pixel, not of the
     /// point: the same but for rounding. Linear colours, component by component.
     #[must_use]
     #[inline(always)]
@@ -233,13 +248,12 @@ impl<'a> Shader<'a> {
         let mut out = [[0.0_f32; LANES]; 3];
         let rays = self.rays;
         for l in 0..LANES {
-            let to_eye = along(&rays, x[l], y[l]);
-            let light = self.lights.light_side(
-                [normals[0][l], normals[1][l], normals[2][l]],
-                side[l],
-                to_eye,
-                [albedo[0][l], albedo[1][l], albedo[2][l]],
-            );
+            let v = unit(along(&rays, x[l], y[l]));
+            let n = unit([normals[0][l], normals[1][l], normals[2][l]]);
+            let albedo = [albedo[0][l], albedo[1][l], albedo[2][l]];
+            let light = self
+                .lights
+                .light(n, side_seen(n, side[l], v, self.decided), v, albedo);
             for k in 0..3 {
                 out[k][l] = light[k];
             }
@@ -251,15 +265,15 @@ impl<'a> Shader<'a> {
     #[inline(always)]
     fn light_group(&self, points: &[SurfacePoint], out: &mut [[f32; 4]]) {
         let mut n = [[0.0_f32; GROUP]; 3];
-        let mut g = [[0.0_f32; GROUP]; 3];
+        let mut sides = [1.0_f32; GROUP];
         let mut v = [[0.0_f32; GROUP]; 3];
         let mut c = [[0.0_f32; GROUP]; 4];
         for (i, p) in points.iter().enumerate().take(GROUP) {
-            let (normal, geometric, to_eye) = self.vectors(p);
+            let (normal, side, to_eye) = self.vectors(p);
+            sides[i] = side;
             let albedo = self.albedo(p);
             for k in 0..3 {
                 n[k][i] = normal[k];
-                g[k][i] = geometric[k];
                 v[k][i] = to_eye[k];
             }
             for k in 0..4 {
@@ -269,9 +283,9 @@ impl<'a> Shader<'a> {
         let mut rgba = [[0.0_f32; GROUP]; 4];
         for i in 0..GROUP {
             let light = self.lights.light(
-                [n[0][i], n[1][i], n[2][i]],
-                [g[0][i], g[1][i], g[2][i]],
-                [v[0][i], v[1][i], v[2][i]],
+                unit([n[0][i], n[1][i], n[2][i]]),
+                sides[i],
+                unit([v[0][i], v[1][i], v[2][i]]),
                 [c[0][i], c[1][i], c[2][i]],
             );
             let color = premultiply(light, c[3][i]);
@@ -284,9 +298,9 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Normal to light, geometric normal, and vector to the eye; each has a direction.
+    /// Normal to light, the side that is seen, and the vector to the eye; both vectors have a direction.
     #[inline(always)]
-    fn vectors(&self, point: &SurfacePoint) -> ([f32; 3], [f32; 3], [f32; 3]) {
+    fn vectors(&self, point: &SurfacePoint) -> ([f32; 3], f32, [f32; 3]) {
         let to_eye = if self.ortho {
             self.back
         } else {
@@ -294,12 +308,14 @@ impl<'a> Shader<'a> {
         };
         let normal = point.usable_normal(to_eye);
         let geometric = point.usable_geometric(normal);
-        let normal = self.tilted(point, normal);
+        let v = unit(to_eye);
+        let side = if dot(geometric, v) < 0.0 { -1.0 } else { 1.0 };
         if self.mode == ShadeMode::Flat {
-            (geometric, geometric, to_eye)
-        } else {
-            (normal, geometric, to_eye)
+            return (geometric, side, to_eye);
         }
+        // Relief does not say which side is seen.
+        let side = side_seen(unit(normal), side, v, self.decided);
+        (self.tilted(point, normal), side, to_eye)
     }
 
     /// The normal with the relief of the material.
@@ -322,7 +338,7 @@ impl<'a> Shader<'a> {
             crate::math::normalize(normal),
             crate::math::normalize(to_eye),
         ) {
-            (Some(n), Some(v)) => crate::math::dot(n, v).abs(),
+            (Some(n), Some(v)) => dot(n, v).abs(),
             _ => 1.0,
         };
         let shade = (0.55 + 0.45 * facing) * if point.face % 2 == 1 { 0.86 } else { 1.0 };
@@ -383,7 +399,7 @@ mod tests {
                 let turn = |i: i32| libm::sinf((k * i) as f32 * 0.7);
                 let normal = [turn(3), turn(5), turn(7)];
                 let position = [0, 1, 2].map(|i| sphere.center[i] as f32 + normal[i]);
-                let row = |r: &[f32; 4]| crate::math::dot([r[0], r[1], r[2]], position) + r[3];
+                let row = |r: &[f32; 4]| dot([r[0], r[1], r[2]], position) + r[3];
                 let w = if p.ortho { 1.0 } else { row(&p.w) };
                 let (x, y) = ((row(&p.x) / w) as i32, (row(&p.y) / w) as i32);
                 let point = SurfacePoint {
@@ -394,7 +410,7 @@ mod tests {
                 };
                 // From behind, the same place is lit as its other side.
                 let side = if k % 2 == 0 { 1.0 } else { -1.0 };
-                let facing = crate::math::dot(normal, shader.to_eye(x, y)) > 0.0;
+                let facing = dot(normal, shader.to_eye(x, y)) > 0.0;
                 let want = shader.shade(&point);
                 let albedo = shader.albedo(&point);
                 let lanes = |side: f32| {

@@ -136,7 +136,8 @@ pub(super) fn trees(
     let mut own: Vec<(u32, Splits)> = own.into_iter().flatten().collect();
     own.sort_unstable_by_key(|o| o.0);
     // Flat faces ask for nothing.
-    let asks = |q: u32| needs.nodes(q).iter().any(|n| n.is_leaf() && n.level() > 0);
+    let wants = |q: u32| needs.nodes(q).iter().any(|n| n.is_leaf() && n.level() > 0);
+    let asks: Vec<bool> = (0..quads.face_count() as u32).map(wants).collect();
     let mut set = |edge: u32, mut splits: Splits| {
         for h in halves(quads, quads.edge_half(edge)) {
             let face = quads.face_of(h);
@@ -153,14 +154,14 @@ pub(super) fn trees(
         if q.is_multiple_of(4096) {
             limits.check()?;
         }
-        if !asks(q) {
+        if !asks[q as usize] {
             continue;
         }
         for h in quads.face_halves(q) {
             let edge = quads.edge(h);
             let faces = || halves(quads, quads.edge_half(edge)).map(|h| quads.face_of(h));
             // Once, and not where own splits wait.
-            let first = faces().find(|&q| asks(q)) == Some(q);
+            let first = faces().find(|&q| asks[q as usize]) == Some(q);
             let waits = own.binary_search_by_key(&edge, |o| o.0).is_ok();
             if first && !waits && faces().any(|q| needs.drawn[q as usize]) {
                 set(edge, Splits::default());
