@@ -7,7 +7,7 @@
 use super::Frame;
 use super::aov::{self, TilePlanes};
 use super::cutout::{Layers, draw_cutout};
-use super::shading::{self, Pixels, footprints};
+use super::shading::{self, GROUPS, LitGroup, Pixels, footprints};
 use super::source::{Attributes, Source, SourceScratch};
 use super::spot::draw;
 use super::stats::{Stage, StageTimes};
@@ -48,6 +48,7 @@ pub(super) struct Scratch {
     pub(super) visible: Visible,
     pub(super) surface: Vec<SurfacePoint>,
     pub(super) shaded: Vec<[f32; 4]>,
+    pub(super) lit: Box<[LitGroup; GROUPS]>,
     pub(super) pixels: Pixels,
     pub(super) planes: TilePlanes,
     pub(super) times: StageTimes,
@@ -72,6 +73,7 @@ impl Scratch {
             visible: Visible::default(),
             surface: Vec::new(),
             shaded: Vec::new(),
+            lit: Box::default(),
             pixels: Pixels::default(),
             planes: TilePlanes::default(),
             times: StageTimes::default(),
