@@ -152,7 +152,8 @@ struct Queued {
     group: (u32, u32),
 }
 
-/// Draws one tile; its RGBA8 pixels are in [`Scratch::shown_rows`] then, and all others are empty. Returns the number of pixels with something in them.
+/// Draws one tile; its RGBA8 pixels are in [`Scratch::shown_rows`] then, and all others are empty. Returns the number of pixels with
+/// something in them.
 pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 {
     let rect = frame.grid.rect(tile);
     s.planes.clear(&frame.wanted, [rect[2], rect[3]]);
