@@ -417,3 +417,54 @@ fn points_do_not_depend_on_instructions_or_normals_and_are_all_written() {
         }
     }
 }
+
+#[test]
+fn rows_are_those_of_the_whole_block() {
+    let (mut p, mut n) = (Grid3::boxed(), Grid3::boxed());
+    let (mut some_p, mut some_n) = (Grid3::boxed(), Grid3::boxed());
+    let mut compared = 0;
+    for (name, (t, points)) in all_meshes() {
+        let fans = FanPoints::new(&t, &TangentMasks::new(&t), &points, None, true);
+        let channel = Channel {
+            topology: &t,
+            points: &points,
+            fans: &fans,
+            below: None,
+            linear: false,
+        };
+        let mut patch = FacePatch::default();
+        for level in 1..=6 {
+            let size = FacePatch::block_size(level);
+            let last = size.rows as u32 - 1;
+            let blocks = FacePatch::blocks_per_side(level);
+            for q in 0..t.face_count() as u32 {
+                patch.prepare(channel, q, Target::Limit, level, Sides::Normals);
+                for (k, rows) in [[0, 1], [last / 3, last / 2 + 1], [last - 1, last]]
+                    .into_iter()
+                    .enumerate()
+                {
+                    let block = k as u32 % (blocks * blocks);
+                    let block = [block % blocks, block / blocks];
+                    patch.dice(block[0], block[1], &mut p, Some(&mut n));
+                    for grid in [&mut some_p, &mut some_n] {
+                        grid.x.fill(f32::NAN);
+                        grid.y.fill(f32::NAN);
+                        grid.z.fill(f32::NAN);
+                    }
+                    patch.dice_rows(block, rows, &mut some_p, &mut some_n);
+                    for j in rows[0] as usize..=rows[1] as usize {
+                        for i in 0..size.cols {
+                            let bits = |grid: &Grid3| grid.get(i, j).map(f32::to_bits);
+                            let at =
+                                format!("{name} level {level} face {q} rows {rows:?}: {i} {j}");
+                            assert_eq!(bits(&some_p), bits(&p), "{at}");
+                            assert_eq!(bits(&some_n), bits(&n), "{at}");
+                            compared += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared > 10_000);
+}

@@ -155,7 +155,7 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
         };
         dispatch!(
             frame.simd,
-            lit_fragments(frame, &block, fragments, &mut s.pixels)
+            lit_fragments(frame, &block, fragments, &mut s.lit, &mut s.pixels)
         );
     } else {
         shade_points(frame, source, s, rank, template);
@@ -189,12 +189,12 @@ struct LitBlock<'a> {
 
 /// Groups of lanes that go through each step together. A step's result is long in coming, and the next group's step does not wait for
 /// it; one group through all steps would leave the processor with nothing else to do.
-const GROUPS: usize = 8;
+pub(super) const GROUPS: usize = 8;
 
 /// Sixteen fragments between steps, aligned for vectors.
 #[derive(Clone, Copy, Default)]
 #[repr(align(64))]
-struct LitGroup {
+pub(super) struct LitGroup {
     ids: [u32; LANES],
     x: [i32; LANES],
     y: [i32; LANES],
@@ -214,9 +214,9 @@ fn lit_fragments(
     frame: &Frame<'_>,
     block: &LitBlock<'_>,
     fragments: &[Fragment],
+    groups: &mut [LitGroup; GROUPS],
     pixels: &mut Pixels,
 ) {
-    let mut groups = [LitGroup::default(); GROUPS];
     for chunk in fragments.chunks(GROUPS * LANES) {
         let groups = &mut groups[..chunk.len().div_ceil(LANES)];
         let (whole, rest) = chunk.as_chunks::<LANES>();

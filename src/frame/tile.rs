@@ -8,6 +8,7 @@ use super::Frame;
 use super::aov::{self, TilePlanes};
 use super::cutout::{Layers, draw_cutout};
 use super::kept::Kept;
+use super::shading::{self, GROUPS, LitGroup, Pixels, footprints};
 use super::shading::{self, Pixels, footprints};
 use super::source::{Attributes, Source, SourceScratch};
 use super::spot::draw;
@@ -50,6 +51,7 @@ pub(super) struct Scratch {
     pub(super) visible: Visible,
     pub(super) surface: Vec<SurfacePoint>,
     pub(super) shaded: Vec<[f32; 4]>,
+    pub(super) lit: Box<[LitGroup; GROUPS]>,
     pub(super) pixels: Pixels,
     pub(super) planes: TilePlanes,
     pub(super) times: StageTimes,
@@ -75,6 +77,7 @@ impl Scratch {
             visible: Visible::default(),
             surface: Vec::new(),
             shaded: Vec::new(),
+            lit: Box::default(),
             pixels: Pixels::default(),
             planes: TilePlanes::default(),
             times: StageTimes::default(),
@@ -153,7 +156,8 @@ struct Queued {
     group: (u32, u32),
 }
 
-/// Draws one tile; its RGBA8 pixels are in [`Scratch::shown_rows`] then, and all others are empty. Returns the number of pixels with something in them.
+/// Draws one tile; its RGBA8 pixels are in [`Scratch::shown_rows`] then, and all others are empty. Returns the number of pixels with
+/// something in them.
 pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 {
     let rect = frame.grid.rect(tile);
     s.planes.clear(&frame.wanted, [rect[2], rect[3]]);

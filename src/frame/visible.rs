@@ -165,6 +165,10 @@ impl Visible {
             last[..rest.len()].copy_from_slice(rest);
             let filled = (!rest.is_empty()).then_some(&last);
             for (group, x) in groups.iter().chain(filled).zip((0..).step_by(LANES)) {
+                let any = group.iter().fold(0, |any, key| any | key.0);
+                if any == 0 && rank == NO_RANK {
+                    continue;
+                }
                 let mut ranks = [0; LANES];
                 for l in 0..LANES {
                     ranks[l] = !(group[l].0 as u32) >> 11;

@@ -208,7 +208,7 @@ pub(super) fn snap<const ORTHO: bool>(
     (round(x), round(y), depth, inside)
 }
 
-/// What all points of a block have in common, lane by lane.
+/// Least and greatest position, nearest depth, and whether any point is outside, of the points of each lane.
 struct Extent {
     low: [Lanes<i32>; 2],
     high: [Lanes<i32>; 2],
