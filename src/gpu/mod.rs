@@ -31,8 +31,8 @@
 //!
 //! # What is refused
 //!
-//! Displacement by a caller's rule, of patches and of interpolating surfaces, normal and bump maps on patches, refinement patterns, outputs
-//! beside the picture, n-gons at level 0 but in cages, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
+//! Displacement by a caller's rule, displacement of patches and of interpolating surfaces, normal and bump maps on these, refinement patterns,
+//! outputs beside the picture, n-gons at level 0 but in cages, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
 //! Adaptive blocks, displaced ones among them, are decided on the processor, for the view that a scene was made for.
 
 pub mod records;
@@ -40,6 +40,8 @@ pub mod wgsl;
 
 #[cfg(feature = "gpu")]
 mod chunk;
+#[cfg(feature = "gpu")]
+mod corners;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
@@ -52,8 +54,6 @@ mod error;
 mod face;
 #[cfg(feature = "gpu")]
 mod further;
-#[cfg(feature = "gpu")]
-mod jets;
 #[cfg(feature = "gpu")]
 mod levels;
 #[cfg(feature = "gpu")]

@@ -65,6 +65,10 @@ fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
         if is_patches && scene.has_relief() && surface.has_uvs() {
             return refuse("normal or bump maps on patches");
         }
+        let interpolates = surface.scheme().is_interpolating();
+        if interpolates && scene.has_relief() && surface.has_uvs() {
+            return refuse("normal or bump maps on interpolating surfaces");
+        }
         let Some(displacement) = surface.displacement() else {
             continue;
         };
@@ -74,7 +78,7 @@ fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
         if is_patches {
             return refuse("displaced patches");
         }
-        if surface.scheme().is_interpolating() {
+        if interpolates {
             return refuse("displacement of interpolating surfaces");
         }
     }

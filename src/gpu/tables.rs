@@ -3,14 +3,14 @@
 //! The processor's own evaluation makes them: control points that are unit vectors, three at a time, give the weights of three control
 //! points as coordinates.
 
+use super::corners::Corners;
 use super::error::GpuError;
-use super::jets::{Corners, QuadJets, quarter};
 use super::surroundings::Surroundings;
 use crate::evaluate::Tangents;
 use crate::frame::Drawing;
 use crate::limits::Budget;
 use crate::scheme::Scheme;
-use crate::surface::{DicedQuad, Surface};
+use crate::surface::{DicedQuad, PlaceJets, Surface};
 use rayon::prelude::*;
 
 /// The weights of a shape of surroundings at one level.
@@ -169,16 +169,16 @@ fn one(
     let count = shape.vertices.len();
     let n = 1_u32 << level;
     let side = n as usize + 1;
+    let place = |i: usize, j: usize| [i, j].map(|k| k as f32 / n as f32);
     let subs = subs(whole, shape);
     // A face of four corners among others is evaluated as a whole, its quads being quarters.
     let quarters = split && shape.size() == 4;
     let asked = if quarters { 2 * n } else { n };
     let mut weights = vec![0.0_f32; subs * count * side * side * width as usize];
     let flat_in = width > 3 && surface.scheme() != Scheme::Bilinear;
-    let mut corners =
-        flat_in.then(|| Corners::new(subs, count, triangles, quarters && !surface.is_split()));
+    let mut corners = flat_in.then(|| Corners::new(subs, count, triangles));
     let mut samples = Vec::new();
-    let mut points = vec![[0.0_f32; 3]; count];
+    let mut points = vec![[0.0_f32; 3]; surface.control_base().len()];
     for first in (0..count).step_by(3) {
         points.fill([0.0; 3]);
         for k in first..count.min(first + 3) {
@@ -190,18 +190,13 @@ fn one(
         samples.resize(face.grid_len(asked), Tangents::default());
         face.grid(asked, &mut samples).map_err(|_| NO_WEIGHTS)?;
         let refined: Vec<DicedQuad> = match drawing {
-            // Where all faces are quads, the whole one is a step above its quarters.
-            Drawing::Refined if split && !surface.is_split() => {
-                surface.refine_quads(level + 1).take(1).collect()
-            }
             Drawing::Refined => surface.refine_quads(level).take(subs).collect(),
             Drawing::Limit | Drawing::Cage => Vec::new(),
         };
         if let Some(corners) = &mut corners {
             corners.read(&surface, first);
         }
-        let quarters_of = (quarters && !surface.is_split()).then_some(asked);
-        let mut jets = (width > 3).then(|| QuadJets::new(&surface, level, quarters_of));
+        let mut jets = (width > 3).then(|| PlaceJets::new(&surface, level));
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -213,14 +208,10 @@ fn one(
                         _ => (sub * side + j) * side + i,
                     };
                     let s = &samples[found];
-                    let refined = match &refined[..] {
-                        [] => None,
-                        [whole] if quarters => Some(whole.points[found]),
-                        quads => Some(quads[sub].points[j * side + i]),
-                    };
+                    let refined = refined.get(sub).map(|q| q.points[j * side + i]);
                     let position = refined.unwrap_or(s.position);
                     let all = match &mut jets {
-                        Some(jets) => Some(jets.points(sub, [i, j], n).ok_or(NO_WEIGHTS)?),
+                        Some(jets) => Some(jets.points(sub as u32, place(i, j)).ok_or(NO_WEIGHTS)?),
                         None => None,
                     };
                     for k in first..count.min(first + 3) {
@@ -251,6 +242,17 @@ fn one(
     table.rim = rims(&table.weights, groups, width, level, triangles);
     table.rim_stride = rim_len(level, triangles);
     Ok(table)
+}
+
+/// Where in a grid of `n` segments over a face of four corners point (i, j) of its quad at corner `sub` is.
+fn quarter(sub: usize, i: usize, j: usize, n: usize) -> usize {
+    let [x, y] = match sub {
+        0 => [i, j],
+        1 => [n - j, i],
+        2 => [n - i, n - j],
+        _ => [j, n - i],
+    };
+    y * (n + 1) + x
 }
 
 /// Leaves out columns without weights. The first stays: points are summed up relative to it.
@@ -349,6 +351,7 @@ fn one_uvs(
     let count = shape.uvs.len();
     let n = 1_usize << level;
     let side = n + 1;
+    let place = |i: usize, j: usize| [i, j].map(|k| k as f32 / n as f32);
     let subs = subs(whole, shape);
     let mut weights = vec![0.0_f32; subs * count * side * side * width as usize];
     for first in (0..count).step_by(2) {
@@ -359,9 +362,7 @@ fn one_uvs(
         }
         let surface = shape.surface_with(whole, &values);
         let mut face = surface.face_evaluator(0).ok_or(NO_WEIGHTS)?;
-        let quarters = split && shape.size() == 4 && !surface.is_split();
-        let quarters_of = quarters.then_some(2 * n as u32);
-        let mut jets = (width > 1).then(|| QuadJets::new(&surface, level, quarters_of));
+        let mut jets = (width > 1).then(|| PlaceJets::new(&surface, level));
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -384,7 +385,7 @@ fn one_uvs(
                         found => found.unwrap_or_default(),
                     };
                     let by = match &mut jets {
-                        Some(jets) => Some(jets.uvs(sub, [i, j], n as u32).ok_or(NO_WEIGHTS)?),
+                        Some(jets) => Some(jets.uvs(sub as u32, place(i, j)).ok_or(NO_WEIGHTS)?),
                         None => None,
                     };
                     for k in first..count.min(first + 2) {

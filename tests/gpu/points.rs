@@ -370,7 +370,13 @@ fn displaced_points_are_the_processors() {
                 "gpu displaced points {name} {scheme:?} {by} {level}: {distance:.1e} of the model, {angle:.4} degrees, {far_off} beyond 0.05, {} points, {} without a normal",
                 got.points, got.bare
             );
-            assert_eq!(got.bare, 0, "{name} {by}");
+            // Where sides of a bilinear face run on straight there is none.
+            let straight = if scheme == Bilinear {
+                flat_corners(surface)
+            } else {
+                0
+            };
+            assert!(got.bare <= straight, "{name} {by}: {}", got.bare);
             // Of rough maps the slopes make more of what texture coordinates differ by.
             let most = if by == "map" { 4e-6 } else { 2e-6 };
             assert!(distance <= most, "{name} {by}: {distance}");

@@ -10,7 +10,7 @@ fn shows(packed: u32, p: vec2<i32>) -> bool {
     let block = blocks[id.rank - chunk.first_rank];
     let face = faces[block.face];
     // The last one, of faces without any, cuts nothing out.
-    if face.uv_count == 0u || face.material + 1u >= arrayLength(&materials) || materials[face.material].opacity_map == NONE {
+    if face.uv_count == 0u || face.material >= arrayLength(&materials) - 1u || materials[face.material].opacity_map == NONE {
         return true;
     }
     let side_len = (1u << block.log) + 1u;
