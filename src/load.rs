@@ -63,7 +63,7 @@ pub enum LoadError {
 }
 
 /// About how many bytes a surface takes at its peak, while it is being connected: rounded up from measurements.
-fn surface_bytes(cage: &Cage, patches: PatchKind) -> u128 {
+pub(crate) fn surface_bytes(cage: &Cage, patches: PatchKind) -> u128 {
     let corners = cage.corner_vertices.len() as u128;
     let values = (cage.points.len() + cage.uvs.len() + cage.colors.len()) as u128;
     let quads = cage.face_offsets.windows(2).all(|w| w[1] - w[0] == 4);

@@ -30,6 +30,8 @@ use mesh::QuadMesh;
 use std::sync::Arc;
 
 pub use diced::DicedQuad;
+#[cfg(feature = "gpu")]
+pub(crate) use jets::PlaceJets;
 pub(crate) use patch::{QuadPatch, Spline};
 
 /// How a cage is read as a surface. What is `None` comes from the cage's tags, else from the defaults.
@@ -238,6 +240,26 @@ impl Surface {
         let mut patch = QuadPatch::default();
         patch.prepare_points(self, q, 0, None, Sides::Normals);
         Some(patch.patch_at(u, v))
+    }
+
+    /// Vectors that the PN triangles of one of [`Surface::quads`] are made of.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn pn_net_len(&self) -> u32 {
+        let halves = if self.triangles { 1 } else { 2 };
+        halves * crate::patch::NET_LEN
+    }
+
+    /// Those of all of them; nothing where there are no PN triangles.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn list_pn_nets(&self, out: &mut Vec<[f32; 3]>) {
+        if let Some(PatchCage::Pn(cage)) = &self.patches {
+            let (t, points) = (&self.mesh.base, &self.cage.points);
+            let mut patches = FacePatches::default();
+            for q in 0..self.quads().face_count() as u32 {
+                patches.take(cage, t, points, q, self.is_split(), 0);
+                patches.list_nets(out);
+            }
+        }
     }
 
     /// Point and unit normal at corner `h` of the faces that are diced.

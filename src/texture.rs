@@ -350,7 +350,7 @@ impl Texture {
     }
 
     /// The texture as words, for look-up elsewhere: a header of eight (levels, where their sizes are, where texels are, where the values of
-    /// codes are, whether texels take two words, bits of the bias of levels of detail), then width, height and first texel of every level, the
+    /// codes are, whether texels take two words, bits of the bias of levels of detail, whether there is an alpha channel), then width, height and first texel of every level, the
     /// values, and the texels. Places count from `base`.
     #[cfg(feature = "gpu")]
     pub(crate) fn words(&self, base: u32) -> Vec<u32> {
@@ -360,7 +360,17 @@ impl Texture {
         let wide = matches!(self.texels, Texels::Word(_));
         let levels = self.levels.len() as u32;
         let bias = self.lod_bias.to_bits();
-        let mut out = vec![levels, sizes, texels, values, u32::from(wide), bias, 0, 0];
+        let alpha = u32::from(self.has_alpha);
+        let mut out = vec![
+            levels,
+            sizes,
+            texels,
+            values,
+            u32::from(wide),
+            bias,
+            alpha,
+            0,
+        ];
         out.extend((self.levels.iter()).flat_map(|l| [l.width, l.height, l.start as u32]));
         out.extend(self.values.iter().map(|v| v.to_bits()));
         match &self.texels {

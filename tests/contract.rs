@@ -1,7 +1,7 @@
 //! What processor and device share has one layout, and all sources of the device's stages are valid: held by naga, without a GPU.
 
 use earmark::gpu::records::{
-    Block, Chunk, Face, Frame, Material, Move, Record, Spot, Stencil, Step, words,
+    Block, Chunk, Face, Frame, Lift, Material, Move, Record, Rise, Spot, Stencil, Step, words,
 };
 use earmark::gpu::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -58,11 +58,13 @@ fn check<R: Record>(module: &naga::Module) {
 
 #[test]
 fn records_have_one_layout() {
-    let module = parsed(&wgsl::shade());
+    let module = parsed(&wgsl::shade(wgsl::Variant::ENDS[1]));
     check::<Frame>(&module);
     check::<Chunk>(&module);
     check::<Stencil>(&module);
     check::<Spot>(&module);
+    check::<Lift>(&module);
+    check::<Rise>(&module);
     check::<Face>(&module);
     check::<Block>(&module);
     check::<Move>(&module);

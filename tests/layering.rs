@@ -128,6 +128,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "gpu",
         &[
+            "load",
+            "displace",
+            "texture",
             "tessellate",
             "patch",
             "evaluate",

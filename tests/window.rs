@@ -348,6 +348,61 @@ fn the_saved_picture_is_that_of_the_printed_command() {
     assert_eq!(w.quit(), (0, String::new()));
 }
 
+/// Models, cameras and modes change what a GPU draws, and what it saves is what its printed command draws.
+#[cfg(feature = "gpu")]
+#[test]
+fn a_gpu_draws_what_is_seen() {
+    let Some(_alone) = asked() else { return };
+    if std::env::var_os("EARMARK_GPU").is_none() {
+        println!("not run: EARMARK_GPU is not set");
+        return;
+    }
+    let (model, other) = (creature(), asset("torus.obj").display().to_string());
+    let mut w = Window::open(
+        "gpu",
+        &[
+            &model,
+            &other,
+            "--size",
+            "320x240",
+            "--level",
+            "2",
+            "--backend",
+            "gpu",
+            "--allow-software-gpu",
+        ],
+    );
+    w.tell("mousemove 640 400");
+    w.seen(
+        "turned",
+        "mousedown 1
+         mousemove 700 420
+         mouseup 1",
+    );
+    let folder = w.folder.path("");
+    let again = folder.join("again");
+    fs::create_dir_all(&again).unwrap();
+    for (keys, name) in [("s", "creature.png"), ("c s", "creature-2.png")] {
+        for key in keys.split(' ') {
+            w.keys(key);
+        }
+        let line = w.line();
+        assert!(line.contains("--backend gpu"), "{line}");
+        let begin = Instant::now();
+        while !folder.join(name).exists() {
+            assert!(begin.elapsed() < Duration::from_secs(30), "{name}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        w.settled();
+        run_line(&line, &again);
+        let [saved, drawn] = [&folder, &again].map(|f| fs::read(f.join(name)).unwrap());
+        assert!(saved == drawn, "{name} is not what this draws: {line}");
+        println!("{line}");
+    }
+    w.seen("other", "key 2");
+    assert_eq!(w.quit().0, 0);
+}
+
 #[test]
 fn files_that_change_are_read_again() {
     let Some(_alone) = asked() else { return };

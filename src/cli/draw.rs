@@ -117,6 +117,15 @@ pub(crate) fn draw_scene(
         renderer.take_buffers(kept);
     }
     let camera = camera(a, scene);
+    if a.picture.backend == Backend::Gpu {
+        let view = match sphere {
+            Some(sphere) => camera.framing(sphere, renderer.size)?,
+            None => renderer.view(scene, &camera)?,
+        };
+        let mut frame = gpu::draw_kept(&mut job.on_gpu, &a.picture, &renderer, scene, view)?;
+        line_work(&renderer, scene, &view, &a.picture, &mut frame.image)?;
+        return Ok(frame);
+    }
     let lined = match sphere {
         Some(sphere) => {
             let view = camera.framing(sphere, renderer.size)?;

@@ -4,8 +4,12 @@
 use super::stats::Json;
 use earmark::frame::Finished;
 
+#[cfg(all(feature = "gpu", feature = "window"))]
+pub(super) use with::{Kept, draw_kept, ready};
 #[cfg(feature = "gpu")]
 pub(super) use with::{check, draw, frame, list, suite};
+#[cfg(all(not(feature = "gpu"), feature = "window"))]
+pub(super) use without::{Kept, draw_kept, ready};
 #[cfg(not(feature = "gpu"))]
 pub(super) use without::{check, draw, frame, list, suite};
 
@@ -33,6 +37,26 @@ mod without {
         missing()
     }
     pub(in crate::cli) fn list(_: bool) -> Result<(), Failure> {
+        missing()
+    }
+
+    /// What a window keeps from picture to picture.
+    #[cfg(feature = "window")]
+    #[derive(Default)]
+    pub(in crate::cli) struct Kept;
+
+    #[cfg(feature = "window")]
+    pub(in crate::cli) fn ready(_: &PictureFlags) -> Result<(), Failure> {
+        missing()
+    }
+    #[cfg(feature = "window")]
+    pub(in crate::cli) fn draw_kept(
+        _: &mut Kept,
+        _: &PictureFlags,
+        _: &Renderer,
+        _: &Scene,
+        _: earmark::camera::View,
+    ) -> Result<earmark::frame::Finished, Failure> {
         missing()
     }
     pub(in crate::cli) fn draw(
@@ -87,6 +111,75 @@ mod with {
             allow_software: picture.allow_software_gpu,
             ..DeviceOptions::default()
         })?)
+    }
+
+    /// The device that a window draws on, for as long as the program runs.
+    #[cfg(feature = "window")]
+    static DEVICE: std::sync::Mutex<Option<&'static Gpu>> = std::sync::Mutex::new(None);
+
+    /// What a window keeps from picture to picture: the last scene on the device, with what it was made by.
+    #[cfg(feature = "window")]
+    #[derive(Default)]
+    pub(in crate::cli) struct Kept {
+        last: Option<(String, GpuScene<'static>)>,
+    }
+
+    #[cfg(feature = "window")]
+    fn device(picture: &PictureFlags) -> Result<&'static Gpu, Failure> {
+        let mut kept = DEVICE
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        match *kept {
+            Some(gpu) => Ok(gpu),
+            // One for the program: scenes of it are kept beside.
+            None => Ok(kept.insert(Box::leak(Box::new(open(picture)?)))),
+        }
+    }
+
+    /// Whether there is a device to draw on.
+    #[cfg(feature = "window")]
+    pub(in crate::cli) fn ready(picture: &PictureFlags) -> Result<(), Failure> {
+        device(picture).map(|_| ())
+    }
+
+    /// Draws a scene, which stays on the device for the next picture: of the same scene, or `kept` is made anew.
+    #[cfg(feature = "window")]
+    pub(in crate::cli) fn draw_kept(
+        kept: &mut Kept,
+        picture: &PictureFlags,
+        renderer: &Renderer,
+        scene: &Scene,
+        view: earmark::camera::View,
+    ) -> Result<Finished, Failure> {
+        let made_by = format!(
+            "{:?} {:?} {:?} {:?} {:?} {:?}",
+            renderer.size,
+            renderer.refinement,
+            renderer.drawing,
+            renderer.mode,
+            renderer.background,
+            renderer.light_turn
+        );
+        let serves = match &kept.last {
+            Some((by, ready)) if *by == made_by => ready.serves(renderer, scene, &view)?,
+            _ => false,
+        };
+        if !serves {
+            // Its memory first.
+            kept.last = None;
+            let ready = GpuScene::for_view(device(picture)?, renderer, scene, view)?;
+            kept.last = Some((made_by, ready));
+        }
+        let Some((_, ready)) = &mut kept.last else {
+            return Err(GpuError::Missing { what: "scene" }.into());
+        };
+        let drawn = ready.draw_view(&view).inspect_err(|_| kept.last = None)?;
+        Ok(Finished {
+            stats: frame_stats(&drawn.stats),
+            image: drawn.image,
+            planes: Vec::new(),
+            view: drawn.view,
+        })
     }
 
     /// `info --gpu`.

@@ -55,6 +55,9 @@ pub(crate) struct Job {
     /// A renderer that drew before, for its buffers.
     #[cfg(feature = "window")]
     pub(crate) kept: Option<earmark::Renderer>,
+    /// The same on a GPU.
+    #[cfg(feature = "window")]
+    pub(crate) on_gpu: super::gpu::Kept,
     /// Files that models name.
     pub(crate) named: Vec<PathBuf>,
     /// Told of every stage that begins.
@@ -82,6 +85,8 @@ impl Job {
             stdin: None,
             #[cfg(feature = "window")]
             kept: None,
+            #[cfg(feature = "window")]
+            on_gpu: super::gpu::Kept::default(),
             named: Vec::new(),
             tell: None,
             running: running.clone(),

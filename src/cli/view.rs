@@ -7,7 +7,8 @@ mod studio;
 use super::displace::DisplaceFlags;
 use super::draw::check_backend;
 use super::exit::{Code, Failure};
-use super::flags::{LevelFlags, ModelFlags, PictureFlags, RunningFlags};
+use super::flags::{Backend, LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
+use super::gpu;
 use super::job::Job;
 use super::render::{check, check_models, check_picture};
 use clap::{Arg, Args, Command};
@@ -58,7 +59,12 @@ pub(crate) fn adapted(command: Command) -> Command {
 pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     check_models(&a.models)?;
     check(&a.displace, &a.level)?;
-    check_backend(&a.picture, "windows")?;
+    if a.picture.backend == Backend::Gpu {
+        gpu::check()?;
+        if a.picture.shade == Shade::Wireframe {
+            check_backend(&a.picture, "line work alone")?;
+        }
+    }
     if a.running.stats.is_some() {
         return Err(Failure::usage(
             "--stats is about one picture: --stats of `earmark render` writes it",
@@ -80,6 +86,9 @@ fn open(_: &Job, _: &Arguments) -> Result<(), Failure> {
 fn open(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     use earmark::files;
     use earmark::window::{WindowError, run};
+    if a.picture.backend == Backend::Gpu {
+        gpu::ready(&a.picture)?;
+    }
     let (studio, start) = studio::Viewer::open(job, a)?;
     let run = run(studio, &start).inspect_err(|_| files::abandon_outputs());
     run.map_err(|e| match e {

@@ -110,6 +110,12 @@ impl HeightMap {
         [self.width, self.height]
     }
 
+    /// The heights, rows from the top.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn texels(&self) -> &[f32] {
+        &self.texels
+    }
+
     /// The height at a point. A coordinate that is not finite counts as 0.
     #[must_use]
     #[inline]

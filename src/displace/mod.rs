@@ -55,6 +55,13 @@ enum Kind {
     Vector { rule: Arc<Rule>, most: f32 },
 }
 
+/// Where heights come from, but for a caller's rule.
+#[cfg(feature = "gpu")]
+pub(crate) enum Source<'a> {
+    Map(&'a HeightMap),
+    Function(&'a Function),
+}
+
 /// How a surface is displaced.
 ///
 /// ```
@@ -150,6 +157,16 @@ impl Displacement {
     pub fn with_slopes_per_pixel(mut self, on: bool) -> Self {
         self.per_pixel = on;
         self
+    }
+
+    /// Where heights come from; none of a caller's rule.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn source(&self) -> Option<Source<'_>> {
+        match &self.kind {
+            Kind::Map(map) => Some(Source::Map(map)),
+            Kind::Function(function) => Some(Source::Function(function)),
+            Kind::Vector { .. } => None,
+        }
     }
 
     /// The map, if its slopes are taken pixel by pixel.

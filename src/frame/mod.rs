@@ -535,7 +535,7 @@ impl Renderer {
         pixels * 8 + u128::from(items) * 64 + tile * rayon::current_num_threads() as u128
     }
 
-    fn levels(&self, scene: &Scene, view: &View) -> Result<Vec<u32>, RenderError> {
+    pub(crate) fn levels(&self, scene: &Scene, view: &View) -> Result<Vec<u32>, RenderError> {
         match self.refinement {
             Refinement::Uniform(level) if level > crate::dice::MAX_LEVEL => {
                 Err(RenderError::Level { level })

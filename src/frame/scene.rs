@@ -103,7 +103,7 @@ impl Scene {
     }
 
     /// Whether anything has finer normals than its surface.
-    pub(super) fn has_relief(&self) -> bool {
+    pub(crate) fn has_relief(&self) -> bool {
         let mut all = self.materials.iter().chain(&self.default_material);
         all.any(|m| m.relief.is_some())
     }
@@ -126,7 +126,7 @@ impl Scene {
 
 impl Object {
     /// Whether its normals come from the slopes of a map, pixel by pixel.
-    pub(super) fn is_shaded_by_map(&self) -> bool {
+    pub(crate) fn is_shaded_by_map(&self) -> bool {
         self.surface
             .displacement()
             .is_some_and(|d| d.pixel_map().is_some())

@@ -1,11 +1,11 @@
 //! Chunks of blocks: as many as fit one binding of the device, each with all that dicing them takes, so that no chunk reads from another.
 //! A side between two chunks is in both, by the same sums of the same numbers in the same pipeline.
 
-use super::dicer::{Dicer, FaceTable, Owners};
+use super::dicer::{Dicer, FaceTable, Look, Shown};
 use super::error::GpuError;
 use super::plan::{ObjectPlan, PlannedBlock};
-use super::records::{Block, Chunk, Face, Move, POINT_FLOATS, Record, Spot, Stencil, words};
-use super::wgsl::BLOCK_BITS;
+use super::records::{Block, Chunk, Face, Lift, Move, POINT_FLOATS, Record, Spot, Stencil, words};
+use super::wgsl::{BLOCK_BITS, PN, QAS};
 use crate::limits::Budget;
 use std::collections::HashMap;
 
@@ -35,7 +35,11 @@ pub(super) struct ChunkData {
     pub(super) quads: u32,
     pub(super) first_rank: u32,
     pub(super) triangles: bool,
-    pub(super) patches: bool,
+    pub(super) shown: Option<Shown>,
+    /// What they are drawn with.
+    pub(super) look: Look,
+    /// Of each spot of a displaced surface.
+    pub(super) lifts: Vec<Lift>,
 }
 
 impl ChunkData {
@@ -50,6 +54,7 @@ impl ChunkData {
             + self.faces.len() * Face::SIZE
             + self.blocks.len() * (Block::SIZE + size_of::<NamedBlock>())
             + self.moves.len() * Move::SIZE
+            + self.lifts.len() * Lift::SIZE
             + self.stencils.len() * Stencil::SIZE;
         records as u128
     }
@@ -67,8 +72,16 @@ impl ChunkData {
             phase,
             triangles: u32::from(self.triangles),
             large: self.quads,
-            patches: u32::from(self.patches),
-            padding: 0,
+            patches: match self.shown {
+                Some(Shown::Qas) => QAS,
+                Some(Shown::Pn) => PN,
+                Some(Shown::Points | Shown::Polygons) | None => 0,
+            },
+            width: self.look.width,
+            uv_width: self.look.uv_width,
+            textured: u32::from(self.look.textured),
+            tangents: u32::from(self.look.tilted),
+            cut: u32::from(self.look.cut),
         }
     }
 
@@ -84,17 +97,29 @@ impl ChunkData {
 }
 
 /// Makes the chunks of a scene.
-struct Builder {
+pub(super) struct Builder {
     /// Bytes of the largest buffer.
     limit: u64,
-    data: ChunkData,
-    stencils: HashMap<u32, u32>,
-    tables: HashMap<u32, u32>,
-    uv_tables: HashMap<u32, u32>,
-    corners: HashMap<u32, u32>,
-    sides: HashMap<u32, u32>,
+    pub(super) data: ChunkData,
+    /// Stencils by quad; of a cage's points, by vertex.
+    pub(super) stencils: HashMap<u32, u32>,
+    /// Where tables begin, by their numbers.
+    pub(super) tables: HashMap<u32, u32>,
+    pub(super) color_stencils: HashMap<u32, u32>,
+    pub(super) color_tables: HashMap<u32, u32>,
+    pub(super) uv_tables: HashMap<u32, u32>,
+    /// By quad, and whether they are those of its sides alone.
+    pub(super) uv_stencils: HashMap<(u32, bool), [u32; 3]>,
+    pub(super) uv_rims: HashMap<u32, u32>,
+    pub(super) rim_stencils: HashMap<u32, u32>,
+    pub(super) rim_tables: HashMap<u32, u32>,
+    pub(super) corners: HashMap<u32, u32>,
+    pub(super) sides: HashMap<u32, u32>,
     done: Vec<ChunkData>,
 }
+
+/// Tables of points begin at multiples of this many words, whatever their width.
+pub(super) const ALIGNED: u32 = 6;
 
 /// Blocks of a chunk that an entry of the list of large quads can name.
 const MOST_BLOCKS: usize = 1 << (u32::BITS - 2 * BLOCK_BITS);
@@ -111,7 +136,13 @@ pub(super) fn chunks(
         data: ChunkData::default(),
         stencils: HashMap::new(),
         tables: HashMap::new(),
+        color_stencils: HashMap::new(),
+        color_tables: HashMap::new(),
         uv_tables: HashMap::new(),
+        uv_stencils: HashMap::new(),
+        uv_rims: HashMap::new(),
+        rim_stencils: HashMap::new(),
+        rim_tables: HashMap::new(),
         corners: HashMap::new(),
         sides: HashMap::new(),
         done: Vec::new(),
@@ -135,7 +166,13 @@ impl Builder {
         self.data.first_rank = next;
         self.stencils.clear();
         self.tables.clear();
+        self.color_stencils.clear();
+        self.color_tables.clear();
         self.uv_tables.clear();
+        self.uv_stencils.clear();
+        self.uv_rims.clear();
+        self.rim_stencils.clear();
+        self.rim_tables.clear();
         self.corners.clear();
         self.sides.clear();
     }
@@ -145,9 +182,7 @@ impl Builder {
         let whole = dicer.surface.whole_quads();
         let mut all = vec![quad];
         for h in whole.face_halves(quad) {
-            for o in [dicer.side_owners(h), dicer.corner_owners(h)] {
-                all.extend([whole.face_of(o.position), whole.face_of(o.normal)]);
-            }
+            all.extend(dicer.sources(h).map(|h| whole.face_of(h)));
         }
         all.sort_unstable();
         all.dedup();
@@ -156,6 +191,9 @@ impl Builder {
 
     /// Bytes of points, weights and gathers with one more face; the last two alone are kept here.
     fn bytes_with(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> Result<[u64; 3], GpuError> {
+        if dicer.shown == Shown::Polygons {
+            return Ok(self.polygon_bytes(dicer, blocks));
+        }
         let whole = dicer.surface.whole_quads();
         let points: u64 = blocks.iter().map(|b| ((1_u64 << b.log) + 1).pow(2)).sum();
         let mut points = u64::from(self.data.points()) + points;
@@ -165,23 +203,60 @@ impl Builder {
         let mut weights = 4 * self.data.weights.len() as u64;
         let mut gathers = 4 * self.data.gathers.len() as u64;
         let mut seen = Vec::new();
-        for quad in Self::quads_of(dicer, blocks[0].quad) {
-            if self.stencils.contains_key(&quad) {
-                continue;
-            }
-            let FaceTable { number, table, .. } = dicer.table(quad)?;
+        let own = blocks[0].quad;
+        // Tables of points begin at multiples of their width.
+        let slack = 4 * u64::from(ALIGNED);
+        if dicer.shown != Shown::Pn {
+            let FaceTable { number, table, .. } = dicer.table(own)?;
             gathers += 4 * table.columns.len() as u64;
-            if !self.tables.contains_key(&number) && !seen.contains(&number) {
-                weights += table.bytes();
-                seen.push(number);
+            if !self.tables.contains_key(&number) {
+                weights += table.bytes() + slack;
+            }
+            for quad in Self::quads_of(dicer, own) {
+                if self.rim_stencils.contains_key(&quad) {
+                    continue;
+                }
+                let FaceTable { number, table, .. } = dicer.table(quad)?;
+                gathers += 4 * table.columns.len() as u64;
+                if !self.rim_tables.contains_key(&number) && !seen.contains(&number) {
+                    weights += table.rim_bytes() + slack;
+                    seen.push(number);
+                }
             }
         }
-        if let Some(FaceTable { number, table, .. }) = dicer.uv_table(blocks[0].quad) {
+        if let Some(FaceTable { number, table, .. }) = dicer.color_table(own) {
+            gathers += 4 * table.columns.len() as u64;
+            if !self.color_tables.contains_key(&number) {
+                weights += table.bytes() + slack;
+            }
+        }
+        if let Some(FaceTable { number, table, .. }) = dicer.uv_table(own) {
             gathers += 4 * u64::from(table.count);
             if !self.uv_tables.contains_key(&number) {
-                // Tables of points begin at multiples of three.
-                weights += table.bytes() + 12;
+                weights += table.bytes() + slack;
             }
+        }
+        if dicer.lifts_by_uvs() {
+            seen.clear();
+            for quad in Self::quads_of(dicer, own) {
+                let Some(FaceTable { number, table, .. }) = dicer.uv_table(quad) else {
+                    continue;
+                };
+                if self.uv_stencils.contains_key(&(quad, true)) {
+                    continue;
+                }
+                gathers += 4 * u64::from(table.count);
+                if !self.uv_rims.contains_key(&number) && !seen.contains(&number) {
+                    weights += table.rim_bytes() + slack;
+                    seen.push(number);
+                }
+            }
+        }
+        for h in whole.face_halves(blocks[0].quad) {
+            // Mitres, a stencil and a place for each.
+            let around = dicer.mitred(h);
+            let points = 1_u64 << dicer.side_level(h)?;
+            gathers += 8 * around.iter().sum::<u64>() * points;
         }
         Ok([points * 4 * u64::from(POINT_FLOATS), weights, gathers])
     }
@@ -211,7 +286,12 @@ impl Builder {
         let had = 4 * (self.data.weights.len() + self.data.gathers.len()) as u64;
         budget.take(WHAT, (weights + gathers - had).into(), 0)?;
         let had = self.data.record_bytes();
-        self.add_face(dicer, plan, blocks)?;
+        self.data.shown = Some(dicer.shown);
+        self.data.look = dicer.look;
+        match dicer.shown {
+            Shown::Polygons => self.add_polygon(dicer, blocks),
+            Shown::Points | Shown::Qas | Shown::Pn => self.add_face(dicer, plan, blocks)?,
+        }
         Ok(budget.take(WHAT, self.data.record_bytes() - had, 0)?)
     }
 
@@ -222,7 +302,6 @@ impl Builder {
         blocks: &[PlannedBlock],
     ) -> Result<(), GpuError> {
         self.data.triangles = dicer.surface.is_triangular();
-        self.data.patches = dicer.patches;
         let quad = blocks[0].quad;
         let face = self.face(dicer, quad, plan.reach[quad as usize])?;
         let number = self.data.faces.len() as u32;
@@ -261,180 +340,4 @@ impl Builder {
         }
         Ok(())
     }
-
-    fn face(&mut self, dicer: &Dicer<'_>, quad: u32, reach: u32) -> Result<Face, GpuError> {
-        let whole = dicer.surface.whole_quads();
-        let (mut corners, mut sides, mut turns) = ([0; 4], [0; 4], 0);
-        for (c, h) in whole.face_halves(quad).enumerate() {
-            corners[c] = self.corner(dicer, h)?;
-            let owners = dicer.side_owners(h);
-            let level = dicer.side_level(h)?;
-            sides[c] = self.side(dicer, owners, level)?;
-            let turned = |owner: u32| owner != h && whole.vertex(owner) != whole.vertex(h);
-            let finer = match dicer.patches {
-                true => 0,
-                false => finer(level, reach)?,
-            };
-            let ways =
-                u32::from(turned(owners.normal)) << 7 | u32::from(turned(owners.position)) << 6;
-            turns |= (finer | ways) << (8 * c);
-        }
-        let cage_face = dicer.surface.cage_face(quad);
-        let level = match dicer.patches {
-            true => (dicer.drawn_levels.get(&cage_face).copied()).ok_or(GpuError::Missing {
-                what: "level of a face",
-            })?,
-            false => dicer.table(quad)?.table.level,
-        };
-        let middle = self.middle(dicer, quad)?;
-        let (uv_gather, uv_count, uv_table) = self.uv_stencil(dicer, quad);
-        Ok(Face {
-            corners,
-            sides,
-            turns,
-            stencil: self.stencil(dicer, quad)?,
-            row: (1 << level) + 1,
-            shift: finer(level, reach)?,
-            reach,
-            number: dicer.first_face + cage_face,
-            // The last material is that of faces without one.
-            material: dicer.object.material(cage_face),
-            uv_gather,
-            uv_count,
-            uv_table,
-            colors: dicer.colors,
-            middle,
-        })
-    }
-
-    /// The spot in the middle of a quad, where patches need it.
-    fn middle(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
-        if !dicer.patches || dicer.surface.is_triangular() {
-            return Ok(0);
-        }
-        let [stencil, index] = self.place(dicer, quad, [1, 1], 1)?;
-        self.data.spots.push(Spot {
-            stencil,
-            index,
-            normal_stencil: stencil,
-            normal_index: index,
-        });
-        Ok(self.data.spots.len() as u32 - 1)
-    }
-
-    /// First gather, count and first weight of a quad's texture coordinates; zeros without.
-    fn uv_stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> (u32, u32, u32) {
-        let Some(of) = dicer.uv_table(quad) else {
-            return (0, 0, 0);
-        };
-        let (number, table) = (of.number, of.table);
-        let weights = &mut self.data.weights;
-        let base = *self.uv_tables.entry(number).or_insert_with(|| {
-            let base = weights.len() as u32;
-            weights.extend_from_slice(&table.weights);
-            weights.resize(weights.len().next_multiple_of(3), 0.0);
-            base
-        });
-        let gather = self.data.gathers.len() as u32;
-        let own = of.places.uvs.iter().map(|&k| dicer.first_uv + 2 * k);
-        self.data.gathers.extend(own);
-        (gather, table.count, base + table.offset(dicer.sub(quad)))
-    }
-
-    fn stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
-        if let Some(&found) = self.stencils.get(&quad) {
-            return Ok(found);
-        }
-        let of = dicer.table(quad)?;
-        let table = of.table;
-        let weights = &mut self.data.weights;
-        let base = *self.tables.entry(of.number).or_insert_with(|| {
-            let base = weights.len() as u32 / 3;
-            weights.extend_from_slice(&table.weights);
-            base
-        });
-        let next = self.data.stencils.len() as u32;
-        self.data.stencils.push(Stencil {
-            gather: self.data.gathers.len() as u32,
-            count: table.columns.len() as u32,
-            table: base + table.offset(dicer.sub(quad)),
-            stride: table.stride(),
-        });
-        let own = table
-            .columns
-            .iter()
-            .map(|&k| of.places.vertices[k as usize]);
-        self.data.gathers.extend(own.map(|v| v + dicer.first_point));
-        self.stencils.insert(quad, next);
-        Ok(next)
-    }
-
-    /// Stencil and point of a place of a quad, given on the grid of `level`.
-    fn place(
-        &mut self,
-        dicer: &Dicer<'_>,
-        quad: u32,
-        [x, y]: [u32; 2],
-        level: u32,
-    ) -> Result<[u32; 2], GpuError> {
-        let deep = dicer.table(quad)?.table.level;
-        let up = finer(deep, level)?;
-        let index = (y << up) * ((1 << deep) + 1) + (x << up);
-        Ok([self.stencil(dicer, quad)?, index])
-    }
-
-    fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> Result<u32, GpuError> {
-        let owners = dicer.corner_owners(h);
-        if let Some(&found) = self.corners.get(&owners.normal) {
-            return Ok(found);
-        }
-        let count = dicer.corner_count();
-        let mut of = |h: u32| {
-            let at = dicer.along(h % count, 0, 1);
-            self.place(dicer, h / count, at, 0)
-        };
-        let (p, n) = (of(owners.position)?, of(owners.normal)?);
-        let at = self.data.spots.len() as u32;
-        self.data.spots.push(Spot {
-            stencil: p[0],
-            index: p[1],
-            normal_stencil: n[0],
-            normal_index: n[1],
-        });
-        self.corners.insert(owners.normal, at);
-        Ok(at)
-    }
-
-    fn side(&mut self, dicer: &Dicer<'_>, owners: Owners, level: u32) -> Result<u32, GpuError> {
-        if let Some(&found) = self.sides.get(&owners.normal) {
-            return Ok(found);
-        }
-        let (count, n) = (dicer.corner_count(), 1_u32 << level);
-        let whole = dicer.surface.whole_quads();
-        let same = owners.position == owners.normal
-            || whole.vertex(owners.position) == whole.vertex(owners.normal);
-        let first = self.data.spots.len() as u32;
-        for k in 1..n {
-            let turned = if same { k } else { n - k };
-            let at = dicer.along(owners.position % count, turned, n);
-            let p = self.place(dicer, owners.position / count, at, level)?;
-            let at = dicer.along(owners.normal % count, k, n);
-            let own = self.place(dicer, owners.normal / count, at, level)?;
-            self.data.spots.push(Spot {
-                stencil: p[0],
-                index: p[1],
-                normal_stencil: own[0],
-                normal_index: own[1],
-            });
-        }
-        self.sides.insert(owners.normal, first);
-        Ok(first)
-    }
-}
-
-/// By how many levels `deep` is finer than `level`.
-fn finer(deep: u32, level: u32) -> Result<u32, GpuError> {
-    deep.checked_sub(level).ok_or(GpuError::Missing {
-        what: "table as fine as its face",
-    })
 }

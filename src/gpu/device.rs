@@ -2,6 +2,7 @@
 
 use super::error::GpuError;
 use super::pipelines::Pipelines;
+use super::wgsl::Variant;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What an adapter computes on.
@@ -126,7 +127,8 @@ pub struct Gpu {
     pub(super) wide: bool,
     pub(super) timestamps: bool,
     /// Made when a picture first needs them.
-    pipelines: OnceLock<Pipelines>,
+    /// By the numbers of their variants.
+    pipelines: [OnceLock<Pipelines>; Variant::COUNT],
     failed: Arc<Mutex<Option<GpuError>>>,
 }
 
@@ -185,7 +187,7 @@ impl Gpu {
             wide: summary.wide_atomics,
             timestamps: summary.timestamps,
             summary,
-            pipelines: OnceLock::new(),
+            pipelines: Default::default(),
             failed: Arc::default(),
         }
     }
@@ -216,7 +218,7 @@ impl Gpu {
             device,
             queue,
             summary,
-            pipelines: OnceLock::new(),
+            pipelines: Default::default(),
             failed: Arc::default(),
         };
         gpu.listen();
@@ -257,13 +259,14 @@ impl Gpu {
     }
 
     /// The pipelines of pictures.
-    pub(super) fn pipelines(&self) -> Result<&Pipelines, GpuError> {
-        if let Some(made) = self.pipelines.get() {
+    pub(super) fn pipelines(&self, variant: Variant) -> Result<&Pipelines, GpuError> {
+        let kept = &self.pipelines[variant.number()];
+        if let Some(made) = kept.get() {
             return Ok(made);
         }
-        let made = self.caught(|| Ok(Pipelines::new(self)))?;
+        let made = self.caught(|| Ok(Pipelines::new(self, variant)))?;
         // When another thread was first, its pipelines are the same.
-        Ok(self.pipelines.get_or_init(|| made))
+        Ok(kept.get_or_init(|| made))
     }
 
     /// Does `work` and returns what the device has against it: nobody listens to a caller's device, and what nobody hears ends the program.

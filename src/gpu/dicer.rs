@@ -2,9 +2,11 @@
 
 use super::error::GpuError;
 use super::plan::ObjectPlan;
+use super::records::Rise;
 use super::surroundings::{Finder, Places, Surroundings};
 use super::tables::{self, Table, UvTable};
-use crate::frame::Object;
+use super::wgsl::{MAP, STILL};
+use crate::frame::{Drawing, Object};
 use crate::limits::Budget;
 use crate::patch::PatchKind;
 use crate::scheme::Scheme;
@@ -30,14 +32,72 @@ pub(super) struct Dicer<'a> {
     uv_tables: Vec<UvTable>,
     /// First of the object's texture coordinates among the control numbers.
     pub(super) first_uv: u32,
+    pub(super) look: Look,
     /// See [`Face::colors`].
     pub(super) colors: u32,
-    /// Whether faces are quadratic patches: nothing of the surface itself is known beyond level 1 then.
-    pub(super) patches: bool,
+    pub(super) shown: Shown,
+    /// First of what stands behind the control points of the scene for this object, counted as they are: normals of a cage, or control
+    /// points of PN triangles.
+    pub(super) first_extra: u32,
+    /// Per drawn face the number of its table of colours, where that is not the one of its points.
+    color_numbers: HashMap<u32, u32>,
+    color_tables: Vec<Table>,
     /// Per face of the cage that is drawn, its deepest level.
     pub(super) drawn_levels: HashMap<u32, u32>,
     /// Per edge of the whole quads, the level of the points on it; [`NONE`] where nothing is drawn.
     edge_levels: Vec<u32>,
+}
+
+/// What faces are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// Points by their tables: of the limit surface, or control points after some steps.
+    Points,
+    /// Quadratic patches: nothing of the surface itself is known beyond level 1.
+    Qas,
+    /// Curved PN triangles, whose control points the processor makes.
+    Pn,
+    /// The polygons of the cage.
+    Polygons,
+}
+
+/// What an object is drawn with.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Look {
+    /// See [`Chunk`](super::records::Chunk).
+    pub(super) width: u32,
+    pub(super) uv_width: u32,
+    pub(super) textured: bool,
+    pub(super) tilted: bool,
+    pub(super) cut: bool,
+    pub(super) rise: Rise,
+}
+
+impl Shown {
+    fn of(surface: &Surface, drawing: Drawing) -> Self {
+        match (drawing, surface.patch_kind()) {
+            (Drawing::Cage, _) => Self::Polygons,
+            (Drawing::Limit, PatchKind::Qas) => Self::Qas,
+            (Drawing::Limit, PatchKind::Pn) => Self::Pn,
+            _ => Self::Points,
+        }
+    }
+
+    /// Whether faces are patches: colours and texture coordinates are those of the limit surface, deeper than what is known of points.
+    pub(super) fn is_patches(self) -> bool {
+        matches!(self, Self::Qas | Self::Pn)
+    }
+}
+
+/// Where what belongs to an object begins among all numbers of a scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Firsts {
+    pub(super) point: u32,
+    pub(super) extra: u32,
+    pub(super) face: u32,
+    /// Among single numbers, as the next one.
+    pub(super) uv: u32,
+    pub(super) color: u32,
 }
 
 /// The table of a face.
@@ -80,33 +140,44 @@ impl<'a> Dicer<'a> {
     pub(super) fn new(
         object: &'a Object,
         plan: &ObjectPlan,
-        [first_point, first_face, first_uv, first_color]: [u32; 4],
-        wants_uvs: bool,
+        first: Firsts,
+        drawing: Drawing,
+        look: Look,
         budget: &mut Budget<'_>,
     ) -> Result<Self, GpuError> {
         let surface = &object.surface;
         let mut dicer = Self {
             object,
             surface,
-            first_point,
-            first_face,
+            first_point: first.point,
+            first_extra: first.extra,
+            first_face: first.face,
             faces: HashMap::new(),
             tables: Vec::new(),
             uv_numbers: HashMap::new(),
             uv_tables: Vec::new(),
-            first_uv,
-            patches: surface.patch_kind() == PatchKind::Qas,
+            first_uv: first.uv,
+            look,
+            shown: Shown::of(surface, drawing),
+            color_numbers: HashMap::new(),
+            color_tables: Vec::new(),
             drawn_levels: HashMap::new(),
             // Control points come first, so a place after them is above this product.
             colors: match surface.cage().colors().is_empty() {
                 true => 0,
-                false => first_color - 3 * first_point,
+                false => first.color - 3 * first.point,
             },
             edge_levels: vec![NONE; surface.whole_quads().edge_count()],
         };
-        dicer.check()?;
+        if dicer.shown == Shown::Polygons {
+            return Ok(dicer);
+        }
         let needs = dicer.needs(plan);
-        dicer.make_tables(&needs, wants_uvs && surface.has_uvs(), budget)?;
+        if dicer.shown == Shown::Pn && !dicer.look.textured && dicer.colors == 0 {
+            return Ok(dicer);
+        }
+        dicer.check()?;
+        dicer.make_tables(&needs, drawing, budget)?;
         Ok(dicer)
     }
 
@@ -133,7 +204,7 @@ impl<'a> Dicer<'a> {
             let face = self.surface.cage_face(quad as u32);
             let deepest = self.drawn_levels.entry(face).or_insert(reach);
             *deepest = reach.max(*deepest);
-            let reach = if self.patches { 1 } else { reach };
+            let reach = self.known(reach);
             for h in whole.face_halves(quad as u32) {
                 let level = &mut self.edge_levels[whole.edge(h) as usize];
                 *level = if *level == NONE {
@@ -156,22 +227,29 @@ impl<'a> Dicer<'a> {
             if reach == NONE {
                 continue;
             }
-            ask(quad as u32, if self.patches { 1 } else { reach });
+            ask(quad as u32, self.known(reach));
             for h in whole.face_halves(quad as u32) {
                 let level = self.edge_levels[whole.edge(h) as usize];
-                for owners in [self.side_owners(h), self.corner_owners(h)] {
-                    ask(whole.face_of(owners.position), level);
-                    ask(whole.face_of(owners.normal), level);
+                for h in self.sources(h) {
+                    ask(whole.face_of(h), level);
                 }
             }
         }
         needs
     }
 
+    /// The level at which points are wanted of a face that is drawn at another.
+    fn known(&self, reach: u32) -> u32 {
+        match self.shown {
+            Shown::Qas => 1,
+            Shown::Points | Shown::Pn | Shown::Polygons => reach,
+        }
+    }
+
     fn make_tables(
         &mut self,
         needs: &[u32],
-        with_uvs: bool,
+        drawing: Drawing,
         budget: &mut Budget<'_>,
     ) -> Result<(), GpuError> {
         /// Faces between two looks at the budget.
@@ -181,6 +259,10 @@ impl<'a> Dicer<'a> {
         let mut levels: Vec<u32> = Vec::new();
         // Faces with texture coordinates, and the numbers of their shapes.
         let mut uv_faces: Vec<[u32; 2]> = Vec::new();
+        let mut color_faces: Vec<[u32; 2]> = Vec::new();
+        // Colours are those of the limit surface, whatever is drawn of its points.
+        let own_colors =
+            self.colors > 0 && (self.shown.is_patches() || drawing == Drawing::Refined);
         let mut bytes = 0;
         for (face, &need) in (0..).zip(needs) {
             if (face as usize).is_multiple_of(FACES) {
@@ -197,7 +279,11 @@ impl<'a> Dicer<'a> {
                 Some(level) => *level = need.max(*level),
                 None => levels.push(need),
             }
-            if with_uvs && self.drawn_levels.contains_key(&face) {
+            let is_drawn = self.drawn_levels.contains_key(&face);
+            if own_colors && is_drawn {
+                color_faces.push([face, shape]);
+            }
+            if self.look.textured && is_drawn || self.lifts_by_uvs() {
                 let (shape, new) = uv_shapes.number(found.uv_key(), &found);
                 bytes += new;
                 uv_faces.push([face, shape]);
@@ -208,21 +294,36 @@ impl<'a> Dicer<'a> {
         }
         budget.take("the faces of the GPU backend", bytes as u128, 0)?;
         let wanted: Vec<_> = shapes.all.iter().zip(levels).collect();
-        self.tables = tables::make(self.surface, &wanted, budget)?;
-        self.make_uv_tables(&uv_faces, &uv_shapes.all, budget)
+        if self.shown != Shown::Pn {
+            self.tables = tables::make(self.surface, &wanted, drawing, self.look.width, budget)?;
+        }
+        let (numbers, wanted) = self.numbered(&color_faces, &shapes.all);
+        self.color_numbers = numbers;
+        self.color_tables = tables::make(
+            self.surface,
+            &wanted,
+            Drawing::Limit,
+            self.look.width,
+            budget,
+        )?;
+        let (numbers, wanted) = self.numbered(&uv_faces, &uv_shapes.all);
+        self.uv_numbers = numbers;
+        self.uv_tables = tables::make_uvs(self.surface, &wanted, self.look.uv_width, budget)?;
+        Ok(())
     }
 
-    /// Tables of texture coordinates, as fine as those of points.
-    fn make_uv_tables(
-        &mut self,
+    /// Tables of values beside points, as fine as what is drawn: the number of each of `faces`, which come with their shapes, and what tables
+    /// are wanted.
+    fn numbered<'s>(
+        &self,
         faces: &[[u32; 2]],
-        shapes: &[Surroundings],
-        budget: &mut Budget<'_>,
-    ) -> Result<(), GpuError> {
+        shapes: &'s [Surroundings],
+    ) -> (HashMap<u32, u32>, Vec<tables::Wanted<'s>>) {
         let mut numbers: HashMap<[u32; 2], u32> = HashMap::new();
-        let mut wanted: Vec<tables::Wanted<'_>> = Vec::new();
+        let mut wanted: Vec<tables::Wanted<'s>> = Vec::new();
+        let mut of_faces = HashMap::new();
         for &[face, shape] in faces {
-            let level = match self.patches {
+            let level = match self.shown.is_patches() {
                 true => self.drawn_levels[&face],
                 false => self.tables[self.faces[&face].shape as usize].level,
             };
@@ -231,10 +332,9 @@ impl<'a> Dicer<'a> {
             if number == next {
                 wanted.push((&shapes[shape as usize], level));
             }
-            self.uv_numbers.insert(face, number);
+            of_faces.insert(face, number);
         }
-        self.uv_tables = tables::make_uvs(self.surface, &wanted, budget)?;
-        Ok(())
+        (of_faces, wanted)
     }
 
     /// Whose points a side has: those of the edge's first half-edge; normals are one's own along creases and borders.
@@ -261,9 +361,43 @@ impl<'a> Dicer<'a> {
         }
     }
 
+    /// Half-edges whose faces say something of the side `h` or the corner that it begins with.
+    pub(super) fn sources(&self, h: u32) -> impl Iterator<Item = u32> + use<> {
+        let [a, b] = [self.side_owners(h), self.corner_owners(h)];
+        let mut all = vec![a.position, a.normal, b.position, b.normal];
+        if self.is_displaced() {
+            let mitred = [self.surface.mitred_side(h), self.surface.mitred_corner(h)];
+            all.extend(mitred.into_iter().flatten().flatten());
+        }
+        all.into_iter()
+    }
+
+    /// How many normals the directions of a side's points are mitres of, and that of the corner that it begins with.
+    pub(super) fn mitred(&self, h: u32) -> [u64; 2] {
+        if !self.is_displaced() {
+            return [0; 2];
+        }
+        let mitred = [self.surface.mitred_side(h), self.surface.mitred_corner(h)];
+        mitred.map(|all| all.map_or(0, |all| all.len() as u64))
+    }
+
+    pub(super) fn is_displaced(&self) -> bool {
+        self.look.rise.shape != STILL
+    }
+
+    /// Whether texture coordinates say how far points move.
+    pub(super) fn lifts_by_uvs(&self) -> bool {
+        self.look.rise.shape == MAP && self.surface.has_uvs()
+    }
+
     /// Whether every face has normals of its own all around.
     pub(super) fn is_faceted(&self) -> bool {
-        self.surface.scheme() == Scheme::Bilinear
+        self.surface.scheme() == Scheme::Bilinear || self.shown == Shown::Pn
+    }
+
+    /// Where the control points of a quad's PN triangles stand.
+    pub(super) fn net(&self, quad: u32) -> u32 {
+        self.first_extra + quad * self.surface.pn_net_len()
     }
 
     /// The table of a quad's face, which is drawn or gives points to one that is.
@@ -287,6 +421,17 @@ impl<'a> Dicer<'a> {
             places: self.faces.get(&face)?,
             number,
             table: &self.uv_tables[number as usize],
+        })
+    }
+
+    /// The table of its colours; nothing where they go by the weights of its points.
+    pub(super) fn color_table(&self, quad: u32) -> Option<FaceTable<'_, Table>> {
+        let face = self.surface.cage_face(quad);
+        let number = *self.color_numbers.get(&face)?;
+        Some(FaceTable {
+            places: self.faces.get(&face)?,
+            number,
+            table: &self.color_tables[number as usize],
         })
     }
 

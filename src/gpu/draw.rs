@@ -1,82 +1,26 @@
 //! A scene on a device, and its pictures.
 
-use super::chunk::{ChunkData, chunks};
 use super::device::Gpu;
-use super::dicer::Dicer;
 use super::error::GpuError;
+use super::further::Further;
 use super::pipelines::{Pipelines, Stage};
-use super::plan::plan;
 use super::read_back::{ReadBlock, read, read_floats};
-use super::records::{Frame, Material, POINT_FLOATS, Record, words};
+use super::ready::Ready;
+use super::records::{Frame, POINT_FLOATS, Record, words};
+use super::stats::{GpuFrame, GpuStats};
 use super::timer::Timer;
-use super::upload::{DeviceChunk, device_chunk, point_words, textures};
+use super::upload::{DeviceChunk, device_chunk, materials, point_words, textures};
 use super::view::{Drawn, frame_record};
-use super::wgsl::GROUP;
+use super::wgsl::{GROUP, STILL, Variant};
 use crate::camera::{Camera, View};
 use crate::film::{Film, Image};
 use crate::frame::{Renderer, Scene};
 use crate::limits::Budget;
-use crate::mesh::Cage;
-use crate::shade::{ShadeMode, SurfaceMaterial};
-use crate::topology::NONE;
 use std::time::{Duration, Instant};
 use wgpu::BufferUsages as Usage;
 
 /// Workgroups that share the list of large quads.
 const LARGE_GROUPS: u32 = 1024;
-
-/// What a picture took.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct GpuStats {
-    /// Faces of the cages.
-    pub faces: u64,
-    /// Micro-triangles.
-    pub microtriangles: u64,
-    /// Level of each object; of adaptive ones, their deepest.
-    pub levels: Vec<u32>,
-    /// Pixels with something in them.
-    pub pixels_covered: u64,
-    /// Bytes written to the device for this picture: points that moved, and the view.
-    pub bytes_up: u64,
-    /// Bytes read back: the picture.
-    pub bytes_down: u64,
-    /// Buffers that were read back.
-    pub read_backs: u32,
-    /// Chunks of blocks.
-    pub chunks: u32,
-    /// Bands of rows that the picture was drawn in.
-    pub bands: u32,
-    /// Bytes of the scene on the device.
-    pub scene_bytes: u64,
-    /// Shapes of surroundings with a table of weights each.
-    pub shapes: u32,
-    /// Time on the device by stage, of all bands together; `dice` only where points moved. Empty unless asked for, or where the device
-    /// keeps no time or not as many times as there are bands.
-    pub stages: Vec<(&'static str, Duration)>,
-    /// Wall time from the first byte up to the last one down.
-    pub wall: Duration,
-}
-
-/// A finished picture.
-#[derive(Clone, Debug)]
-pub struct GpuFrame {
-    /// The picture.
-    pub image: Image,
-    /// What it took.
-    pub stats: GpuStats,
-    /// The view that the camera came to.
-    pub view: View,
-}
-
-/// A scene that is ready to go to the device.
-struct Ready {
-    chunks: Vec<ChunkData>,
-    /// Control points of all objects.
-    points: Vec<[f32; 3]>,
-    /// What stands behind them: texture coordinates, then colours.
-    values: Vec<u32>,
-    stats: GpuStats,
-}
 
 struct Band {
     rows: [u32; 2],
@@ -97,6 +41,7 @@ pub struct GpuScene<'a> {
     view: View,
     control: wgpu::Buffer,
     control_points: Vec<[f32; 3]>,
+    further: Further,
     moved: bool,
     diced: bool,
     chunks: Vec<DeviceChunk>,
@@ -135,63 +80,21 @@ impl<'a> GpuScene<'a> {
         camera: &Camera,
     ) -> Result<Self, GpuError> {
         let view = renderer.view(scene, camera)?;
+        Self::for_view(gpu, renderer, scene, view)
+    }
+
+    /// The same for a view that is known.
+    ///
+    /// # Errors
+    /// As [`GpuScene::new`].
+    pub fn for_view(
+        gpu: &'a Gpu,
+        renderer: &Renderer,
+        scene: &Scene,
+        view: View,
+    ) -> Result<Self, GpuError> {
         let budget = &mut Budget::new(&renderer.limits);
-        let plan = plan(renderer, scene, &view, budget)?;
-        let wants_uvs = renderer.mode == ShadeMode::Uv || !scene.textures.is_empty();
-        let cages = || scene.objects.iter().map(|o| o.surface.cage());
-        let all_points: usize = cages().map(|c| c.points().len()).sum();
-        let numbers = |c: &Cage| 2 * c.uvs().len() + 3 * c.colors().len();
-        let all_values: usize = cages().map(numbers).sum();
-        // Kept here, and put together for the device.
-        let bytes = 4 * (3 * all_points as u128 + all_values as u128);
-        budget.take("the control points of the GPU backend", 2 * bytes, bytes)?;
-        let uvs = cages().flat_map(|c| c.uvs().iter().flatten());
-        let mut values: Vec<u32> = uvs.map(|c| c.to_bits()).collect();
-        let mut first_color = (3 * all_points + values.len()) as u32;
-        let colors = cages().flat_map(|c| c.colors().iter().flatten());
-        values.extend(colors.map(|c| c.to_bits()));
-        let (mut first_point, mut first_face) = (0, 0);
-        let mut first_uv = 3 * all_points as u32;
-        let mut dicers = Vec::new();
-        let mut control_points = Vec::new();
-        for (object, plan) in scene.objects.iter().zip(&plan.objects) {
-            dicers.push(Dicer::new(
-                object,
-                plan,
-                [first_point, first_face, first_uv, first_color],
-                wants_uvs,
-                budget,
-            )?);
-            let points = object.surface.control_base();
-            control_points.extend_from_slice(points);
-            first_point += points.len() as u32;
-            first_uv += 2 * object.surface.cage().uvs().len() as u32;
-            first_color += 3 * object.surface.cage().colors().len() as u32;
-            first_face += object.surface.cage().face_count() as u32;
-        }
-        let data = chunks(&dicers, &plan.objects, gpu.max_binding, budget)?;
-        let shapes: usize = dicers.iter().map(|d| d.tables.len()).sum();
-        drop(dicers);
-        let stats = GpuStats {
-            faces: scene.face_count() as u64,
-            microtriangles: plan.triangles,
-            levels: plan.levels,
-            shapes: shapes as u32,
-            ..GpuStats::default()
-        };
-        let drawn = Drawn {
-            size: renderer.size,
-            mode: renderer.mode,
-            background: renderer.background,
-            light_turn: renderer.light_turn,
-            id_bits: plan.id_bits,
-        };
-        let ready = Ready {
-            chunks: data,
-            points: control_points,
-            values,
-            stats,
-        };
+        let (ready, drawn) = Ready::of(renderer, scene, &view, gpu.max_binding, budget)?;
         let mut made = gpu.caught(|| Self::upload(gpu, drawn, scene, view, ready, budget))?;
         made.measuring(renderer.measure)?;
         Ok(made)
@@ -205,38 +108,49 @@ impl<'a> GpuScene<'a> {
         ready: Ready,
         budget: &mut Budget<'_>,
     ) -> Result<Self, GpuError> {
-        let pipelines = gpu.pipelines()?;
         let size = drawn.size;
         let Ready {
             chunks,
             points: control_points,
+            further,
+            heights,
             values,
             mut stats,
         } = ready;
-        let control = [point_words(&control_points), values].concat();
+        let looks = || chunks.iter().map(|c| c.look);
+        let pipelines = gpu.pipelines(Variant {
+            lifted: looks().any(|l| l.rise.shape != STILL),
+            tilted: looks().any(|l| l.tilted),
+            cut: looks().any(|l| l.cut),
+        })?;
+        let control = [
+            point_words(&control_points),
+            point_words(further.vectors()),
+            values,
+        ]
+        .concat();
         let control = gpu.filled("control points", &control)?;
+        let heights: &[u32] = bytemuck::cast_slice(&heights);
+        let heights = gpu.filled("heights", heights)?;
         let phases: usize = if gpu.wide { 1 } else { 2 };
-        let mut scene_bytes = control.size();
+        let mut scene_bytes = control.size() + heights.size();
         let mut made = Vec::new();
         for chunk in chunks {
             // Its words on their way to the device.
             budget.take("the chunks of the GPU backend", 0, chunk.bytes())?;
-            let chunk = device_chunk(gpu, pipelines, &control, chunk, phases, &mut scene_bytes)?;
+            let chunk = device_chunk(
+                gpu,
+                pipelines,
+                [&control, &heights],
+                chunk,
+                phases,
+                &mut scene_bytes,
+            )?;
             made.push(chunk);
         }
-        let default = scene.default_material.unwrap_or(SurfaceMaterial::CLAY);
-        let materials = scene.materials.iter().chain([&default]);
         let (textures, places) = textures(gpu, scene, budget)?;
         scene_bytes += textures.size();
-        let materials = materials.map(|m| Material {
-            diffuse: [m.diffuse[0], m.diffuse[1], m.diffuse[2], 1.0],
-            map: m
-                .diffuse_map
-                .and_then(|map| places.get(map as usize).copied())
-                .unwrap_or(NONE),
-            padding: [0; 3],
-        });
-        let materials = gpu.filled("materials", &words(&materials.collect::<Vec<_>>()))?;
+        let materials = gpu.filled("materials", &words(&materials(scene, &places)))?;
         // Rows of the picture whose keys, and sums of 16 bytes a pixel, fit a binding.
         let row_bytes = 8 * u64::from(size.width) * u64::from(size.samples.max(2));
         let rows = (gpu.max_binding / row_bytes).clamp(1, u64::from(size.height)) as u32;
@@ -267,6 +181,10 @@ impl<'a> GpuScene<'a> {
                         (3, &c.points),
                         (4, &keys),
                         (5, &c.large),
+                        (6, &c.faces),
+                        (7, &materials),
+                        (8, &c.uvs),
+                        (9, &textures),
                     ],
                 )
             };
@@ -289,6 +207,9 @@ impl<'a> GpuScene<'a> {
                         (8, &c.uvs),
                         (9, &textures),
                         (10, &c.colors),
+                        (11, &c.tangents),
+                        (12, &c.rise),
+                        (13, &heights),
                     ],
                 )
             });
@@ -311,6 +232,7 @@ impl<'a> GpuScene<'a> {
             view,
             control,
             control_points,
+            further,
             // They are there with the rest.
             moved: false,
             diced: false,
@@ -340,6 +262,21 @@ impl<'a> GpuScene<'a> {
         Ok(())
     }
 
+    /// Whether it draws through `view` what one would draw that is made for it, of the same scene by a renderer with the same settings:
+    /// whether blocks are not decided by the view, and levels are the same.
+    ///
+    /// # Errors
+    /// [`GpuError::Render`]: a level or a view that there is not.
+    pub fn serves(
+        &self,
+        renderer: &Renderer,
+        scene: &Scene,
+        view: &View,
+    ) -> Result<bool, GpuError> {
+        let fixed = !self.drawn.tessellated && self.drawn.size == view.size;
+        Ok(fixed && renderer.levels(scene, view)? == self.stats.levels)
+    }
+
     /// The view that it was made for.
     #[must_use]
     pub fn view(&self) -> &View {
@@ -349,13 +286,14 @@ impl<'a> GpuScene<'a> {
     /// Moves the control points of all objects, one after the other in the order of the scene; they go up with the next picture.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] where there are not as many as before.
+    /// [`GpuError::Unsupported`] where there are not as many as before, or some of PN triangles are not finite.
     pub fn move_points(&mut self, points: &[[f32; 3]]) -> Result<(), GpuError> {
         if points.len() != self.control_points.len() {
             return Err(GpuError::Unsupported {
                 what: "another number of points than the scene was made with",
             });
         }
+        self.further.follow(points)?;
         self.control_points.copy_from_slice(points);
         self.moved = true;
         Ok(())
@@ -393,7 +331,10 @@ impl<'a> GpuScene<'a> {
             .device()
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if self.moved {
-            let words = point_words(&self.control_points);
+            let mut words = point_words(&self.control_points);
+            if self.further.follows() {
+                words.extend(point_words(self.further.vectors()));
+            }
             queue.write_buffer(&self.control, 0, bytemuck::cast_slice(&words));
             stats.bytes_up += 4 * words.len() as u64;
             self.moved = false;

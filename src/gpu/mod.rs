@@ -21,7 +21,8 @@
 //! Every point of a face is a sum of weights times control points, and so are its derivatives: the weights depend on nothing but how the
 //! mesh hangs together around the face. They are taken from the processor's own evaluation ([`evaluate`](crate::evaluate)), by control
 //! points that are unit vectors, once per *shape* of surroundings; so every scheme and rule that it knows is here, with its exactness. QAS patches
-//! are quadratics through points of level 1.
+//! are quadratics through points of level 1. Control points of curved PN triangles are made on the processor, from angles at vertices that WGSL
+//! would know too roughly; the triangles are evaluated on the device.
 //!
 //! # Whole meshes
 //!
@@ -30,15 +31,17 @@
 //!
 //! # What is refused
 //!
-//! Displacement, curved PN triangles, QAS patches with colours of vertices, refinement patterns, control points and cages in place of the limit,
-//! opacity, normal and bump maps, outputs beside the picture, n-gons at level 0, vertices of more than 512 faces. An error names it; nothing is
-//! drawn elsewhere instead. Adaptive blocks are decided on the processor, for the view that a scene was made for.
+//! Displacement by a caller's rule, displacement of patches and of interpolating surfaces, normal and bump maps on these, refinement patterns,
+//! outputs beside the picture, n-gons at level 0 but in cages, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
+//! Adaptive blocks, displaced ones among them, are decided on the processor, for the view that a scene was made for.
 
 pub mod records;
 pub mod wgsl;
 
 #[cfg(feature = "gpu")]
 mod chunk;
+#[cfg(feature = "gpu")]
+mod corners;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
@@ -48,13 +51,25 @@ mod draw;
 #[cfg(feature = "gpu")]
 mod error;
 #[cfg(feature = "gpu")]
+mod face;
+#[cfg(feature = "gpu")]
+mod further;
+#[cfg(feature = "gpu")]
 mod levels;
 #[cfg(feature = "gpu")]
 mod pipelines;
 #[cfg(feature = "gpu")]
 mod plan;
 #[cfg(feature = "gpu")]
+mod polygon;
+#[cfg(feature = "gpu")]
 mod read_back;
+#[cfg(feature = "gpu")]
+mod ready;
+#[cfg(feature = "gpu")]
+mod rise;
+#[cfg(feature = "gpu")]
+mod stats;
 #[cfg(feature = "gpu")]
 mod surroundings;
 #[cfg(feature = "gpu")]
@@ -69,7 +84,7 @@ mod view;
 #[cfg(feature = "gpu")]
 pub use device::{AdapterKind, AdapterSummary, DeviceOptions, Gpu, adapters};
 #[cfg(feature = "gpu")]
-pub use draw::{GpuFrame, GpuScene, GpuStats};
+pub use draw::GpuScene;
 #[cfg(feature = "gpu")]
 pub use error::GpuError;
 #[cfg(feature = "gpu")]
@@ -77,3 +92,5 @@ pub use levels::Refiner;
 #[cfg(feature = "gpu")]
 #[doc(hidden)]
 pub use read_back::ReadBlock;
+#[cfg(feature = "gpu")]
+pub use stats::{GpuFrame, GpuStats};

@@ -1,7 +1,7 @@
-//! Compute pipelines of all stages, made once per device.
+//! Compute pipelines of all stages, made once per device and variant.
 
 use super::device::Gpu;
-use super::wgsl::{self, ACROSS, Keys, Source};
+use super::wgsl::{self, ACROSS, Keys, Source, Variant};
 
 /// A stage's pipeline.
 #[derive(Debug)]
@@ -21,15 +21,15 @@ pub(super) struct Pipelines {
 }
 
 impl Pipelines {
-    pub(super) fn new(gpu: &Gpu) -> Self {
+    pub(super) fn new(gpu: &Gpu, variant: Variant) -> Self {
         let keys = if gpu.wide { Keys::Wide } else { Keys::TwoPass };
-        let dice = module(gpu, &wgsl::dice());
+        let dice = module(gpu, &wgsl::dice(variant));
         Self {
             sides: stage(gpu, &dice, "sides"),
             inside: stage(gpu, &dice, "inside"),
-            tile: stage(gpu, &module(gpu, &wgsl::tile(keys)), "main"),
-            large: stage(gpu, &module(gpu, &wgsl::large(keys)), "main"),
-            shade: stage(gpu, &module(gpu, &wgsl::shade()), "main"),
+            tile: stage(gpu, &module(gpu, &wgsl::tile(keys, variant)), "main"),
+            large: stage(gpu, &module(gpu, &wgsl::large(keys, variant)), "main"),
+            shade: stage(gpu, &module(gpu, &wgsl::shade(variant)), "main"),
             film: stage(gpu, &module(gpu, &wgsl::film()), "main"),
         }
     }

@@ -14,8 +14,9 @@ use crate::topology::NONE;
 /// A block of a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlannedBlock {
+    /// Of the cage as it is, a face.
     pub(super) quad: u32,
-    /// First point, on the grid of `level`.
+    /// First point, on the grid of `level`; of a cage's face, the number of its block.
     pub(super) start: [u32; 2],
     pub(super) level: u32,
     pub(super) log: u32,
@@ -44,31 +45,41 @@ pub(super) struct Plan {
     pub(super) triangles: u64,
     /// Bits of rows and columns in ids.
     pub(super) id_bits: u32,
+    /// Whether blocks follow the view.
+    pub(super) tessellated: bool,
 }
 
 /// Refuses what this backend does not draw.
 fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
     let refuse = |what| Err(GpuError::Unsupported { what });
-    if renderer.drawing != Drawing::Limit {
-        return refuse("refined control points or cages; --surface limit");
-    }
     if !renderer.aovs.is_empty() {
         return refuse("outputs beside the picture");
     }
-    let materials = || scene.materials.iter().chain(&scene.default_material);
-    if materials().any(|m| m.opacity_map.is_some() || m.relief.is_some()) {
-        return refuse("opacity maps, normal maps or bump maps");
-    }
     for object in &scene.objects {
         let surface = &object.surface;
-        let colored = !surface.cage().colors().is_empty();
-        match surface.patch_kind() {
-            PatchKind::Pn => return refuse("curved PN triangles"),
-            PatchKind::Qas if colored => return refuse("patches with colours of vertices"),
-            _ => {}
+        if renderer.drawing == Drawing::Cage {
+            continue;
         }
-        if surface.displacement().is_some() {
-            return refuse("displacement");
+        let is_patches =
+            renderer.drawing == Drawing::Limit && surface.patch_kind() != PatchKind::None;
+        if is_patches && scene.has_relief() && surface.has_uvs() {
+            return refuse("normal or bump maps on patches");
+        }
+        let interpolates = surface.scheme().is_interpolating();
+        if interpolates && scene.has_relief() && surface.has_uvs() {
+            return refuse("normal or bump maps on interpolating surfaces");
+        }
+        let Some(displacement) = surface.displacement() else {
+            continue;
+        };
+        if displacement.source().is_none() {
+            return refuse("displacement by a rule of the caller's");
+        }
+        if is_patches {
+            return refuse("displaced patches");
+        }
+        if interpolates {
+            return refuse("displacement of interpolating surfaces");
         }
     }
     Ok(())
@@ -108,6 +119,7 @@ pub(super) fn plan(
     for ((object, &level), found) in scene.objects.iter().zip(&levels).zip(&tessellations) {
         extents.push(match found {
             Some(found) => tessellated_extent(object, found)?,
+            None if renderer.drawing == Drawing::Cage => cage_extent(scene, object),
             None => uniform_extent(scene, object, level)?,
         });
     }
@@ -120,6 +132,7 @@ pub(super) fn plan(
     for ((object, &level), found) in scene.objects.iter().zip(&levels).zip(&tessellations) {
         objects.push(match found {
             Some(found) => tessellated(object, found),
+            None if renderer.drawing == Drawing::Cage => polygons(scene, object, level),
             None => uniform(scene, object, level),
         });
     }
@@ -128,6 +141,7 @@ pub(super) fn plan(
         levels,
         triangles,
         id_bits,
+        tessellated: tessellations.iter().any(Option::is_some),
     })
 }
 
@@ -200,6 +214,41 @@ fn uniform(scene: &Scene, object: &Object, level: u32) -> ObjectPlan {
                 });
             }
         }
+    }
+    plan
+}
+
+/// Faces of an object's cage that are drawn, and the blocks of each: a quad is one, other polygons are fans of triangles.
+fn drawn_faces<'a>(scene: &'a Scene, object: &'a Object) -> impl Iterator<Item = (u32, u32)> + 'a {
+    let cage = object.surface.cage();
+    let drawn = (0..cage.face_count() as u32).filter(move |&f| scene.is_drawn(object, f));
+    drawn.map(move |f| match cage.face(f as usize).len() as u32 {
+        4 => (f, 1),
+        corners => (f, corners.saturating_sub(2)),
+    })
+}
+
+fn cage_extent(scene: &Scene, object: &Object) -> Extent {
+    let cage = object.surface.cage();
+    let mut out = Extent::default();
+    for (face, blocks) in drawn_faces(scene, object) {
+        out.blocks += u64::from(blocks);
+        out.triangles += cage.face(face as usize).len() as u64 - 2;
+    }
+    out
+}
+
+fn polygons(scene: &Scene, object: &Object, level: u32) -> ObjectPlan {
+    let mut plan = ObjectPlan::default();
+    for (face, blocks) in drawn_faces(scene, object) {
+        plan.blocks.extend((0..blocks).map(|block| PlannedBlock {
+            quad: face,
+            start: [block, 0],
+            level: 0,
+            log: 0,
+            shown: level,
+            moves: [0; 2],
+        }));
     }
     plan
 }

@@ -166,29 +166,102 @@ record! {
         triangles: u32,
         /// Entries that the list of large quads holds.
         large: u32,
-        /// 1 where faces are quadratic patches through points of level 1.
+        /// Whether faces are patches: [`QAS`](super::wgsl::QAS), [`PN`](super::wgsl::PN), or 0.
         patches: u32,
-        /// Nothing.
-        padding: u32,
+        /// Weights of a point by a control point: 3 (position, by u, by v) or, for displacement, 6 (by u twice, by both, by v twice).
+        width: u32,
+        /// The same of texture coordinates: 1 or 3.
+        uv_width: u32,
+        /// 1 where shading reads texture coordinates.
+        textured: u32,
+        /// 1 where normals are tilted pixel by pixel.
+        tangents: u32,
+        /// 1 where faces are cut out by opacity maps.
+        cut: u32,
     }
 }
 
 record! {
-    /// The control points of a face and its table of weights.
+    /// How the faces of a chunk are displaced. A uniform.
+    Rise {
+        /// Centre of ripples.
+        center: [f32; 4],
+        /// What heights come from: one of the shapes of [`wgsl`](super::wgsl).
+        shape: u32,
+        /// First texel of the map among all heights.
+        first: u32,
+        /// Texels across.
+        width: u32,
+        /// Texels down.
+        height: u32,
+        /// Model units per unit of the map or function.
+        scale: f32,
+        /// Model units that are added.
+        bias: f32,
+        /// As [`Function`](crate::displace::Function) has it, here and below.
+        frequency: f32,
+        /// Frequency of an octave over that of the one before.
+        lacunarity: f32,
+        /// Strength of an octave over that of the one before.
+        gain: f32,
+        /// Strength of the first.
+        weight: f32,
+        /// Time.
+        time: f32,
+        /// Number of octaves.
+        octaves: u32,
+        /// Seed.
+        seed: u32,
+        /// 1 where slopes are taken pixel by pixel.
+        per_pixel: u32,
+        /// Nothing.
+        padding: [u32; 2],
+    }
+}
+
+record! {
+    /// What a spot of a displaced surface takes from elsewhere: one for each spot.
+    Lift {
+        /// First entry of the texture coordinates in the list of gathers, of the face that says the position.
+        uv_gather: u32,
+        /// How many there are.
+        uv_count: u32,
+        /// First weight of their table, as fine as that of points.
+        uv_table: u32,
+        /// 1 where nothing moves.
+        held: u32,
+        /// The same of the face that says the normal.
+        own_gather: u32,
+        /// How many there are.
+        own_count: u32,
+        /// First weight of their table.
+        own_table: u32,
+        /// First of the normals whose mitre the direction is, in the list of gathers: a stencil and a point of its table each.
+        mitre: u32,
+        /// How many there are; none where the direction is the normal.
+        mitre_count: u32,
+        /// Nothing.
+        padding: [u32; 3],
+    }
+}
+
+record! {
+    /// The control points of a face and its table of weights, a group for each control point and point.
     Stencil {
         /// First entry of its control points in the list of gathers.
         gather: u32,
         /// How many there are.
         count: u32,
-        /// First weight of its table, in triples (position, du, dv).
+        /// First group of its table.
         table: u32,
-        /// Triples from one control point to the next.
+        /// Groups from one control point to the next.
         stride: u32,
     }
 }
 
 record! {
-    /// A point on a side or at a corner: its position comes from one face, its normal from one, whoever shares it.
+    /// A point on a side or at a corner: its position comes from one face, its normal from one, whoever shares it. Of PN triangles, for a stencil
+    /// stands where the control points of a quad are, for a point of a table [`pn_place`](super::wgsl::pn_place).
     Spot {
         /// Stencil of the position.
         stencil: u32,
@@ -196,7 +269,7 @@ record! {
         index: u32,
         /// Stencil of the normal.
         normal_stencil: u32,
-        /// Point of that table.
+        /// Point of that table; all bits where the normal is given, and stands at the place of control point `normal_stencil`.
         normal_index: u32,
     }
 }
@@ -232,8 +305,12 @@ record! {
         /// Where colours of the object's vertices begin among the control numbers, counted as if they began at the scene's first control
         /// point; 0 without.
         colors: u32,
-        /// Spot of the middle, of quadratic patches.
+        /// Spot of the middle, of quadratic patches; where control points of PN triangles stand.
         middle: u32,
+        /// Stencil of colours: as fine as texture coordinates.
+        color_stencil: u32,
+        /// Nothing.
+        padding: [u32; 3],
     }
 }
 
@@ -284,8 +361,12 @@ record! {
         diffuse: [f32; 4],
         /// Where its texture begins among the words of textures, or all bits.
         map: u32,
-        /// Nothing.
-        padding: [u32; 3],
+        /// The same of its opacity map.
+        opacity_map: u32,
+        /// The same of its normal or bump map.
+        relief_map: u32,
+        /// What white of a bump map stands for; 0 of a normal map.
+        bump: f32,
     }
 }
 

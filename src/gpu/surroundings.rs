@@ -282,10 +282,21 @@ impl Surroundings {
             offsets.push(offsets[offsets.len() - 1] + size);
         }
         let tags = whole.cage().tags();
+        let (mut corners, mut corner_uvs) = (self.corners.clone(), self.corner_uvs.clone());
+        let mut count = self.vertices.len();
+        // Where the whole is split into quads this has to be, too: a triangle apart sees to it.
+        if whole.is_split() && self.sizes.iter().all(|&n| n == 4) {
+            offsets.push(offsets[offsets.len() - 1] + 3);
+            corners.extend([0, 1, 2].map(|k| count as u32 + k));
+            if !corner_uvs.is_empty() {
+                corner_uvs.extend([NONE; 3]);
+            }
+            count += 3;
+        }
         let cage = Cage {
-            points: vec![[0.0; 3]; self.vertices.len()],
+            points: vec![[0.0; 3]; count],
             face_offsets: offsets,
-            corner_vertices: self.corners.clone(),
+            corner_vertices: corners,
             tags: Tags {
                 creases: self.creases.clone(),
                 corners: self.sharp.clone(),
@@ -296,7 +307,7 @@ impl Surroundings {
             corner_uvs: if uvs.is_empty() {
                 Vec::new()
             } else {
-                self.corner_uvs.clone()
+                corner_uvs
             },
             ..Cage::default()
         };

@@ -3,11 +3,14 @@
 //! The processor's own evaluation makes them: control points that are unit vectors, three at a time, give the weights of three control
 //! points as coordinates.
 
+use super::corners::Corners;
 use super::error::GpuError;
 use super::surroundings::Surroundings;
 use crate::evaluate::Tangents;
+use crate::frame::Drawing;
 use crate::limits::Budget;
-use crate::surface::Surface;
+use crate::scheme::Scheme;
+use crate::surface::{DicedQuad, PlaceJets, Surface};
 use rayon::prelude::*;
 
 /// The weights of a shape of surroundings at one level.
@@ -17,17 +20,28 @@ pub(super) struct Table {
     pub(super) level: u32,
     /// Local vertices that have weights.
     pub(super) columns: Vec<u32>,
-    /// Position, du and dv; by quad of the face where it is split, by column, by point of the grid.
+    /// Weights of a column at a point.
+    pub(super) width: u32,
+    /// Position, du and dv, and where there are six duu, duv and dvv; by quad of the face where it is split, by column, by point of the grid.
     pub(super) weights: Vec<f32>,
+    /// The same of the points on the sides alone, by [`rim_index`].
+    pub(super) rim: Vec<f32>,
+    /// Points of a rim.
+    pub(super) rim_stride: u32,
 }
 
 impl Table {
+    /// First group of quad `sub` in the rim.
+    pub(super) fn rim_offset(&self, sub: u32) -> u32 {
+        sub * self.columns.len() as u32 * self.rim_stride
+    }
+
     /// Points of a grid.
     pub(super) fn stride(&self) -> u32 {
         ((1 << self.level) + 1) * ((1 << self.level) + 1)
     }
 
-    /// First triple of quad `sub`.
+    /// First group of quad `sub`.
     pub(super) fn offset(&self, sub: u32) -> u32 {
         sub * self.columns.len() as u32 * self.stride()
     }
@@ -35,6 +49,51 @@ impl Table {
     pub(super) fn bytes(&self) -> u64 {
         4 * self.weights.len() as u64
     }
+
+    pub(super) fn rim_bytes(&self) -> u64 {
+        4 * self.rim.len() as u64
+    }
+}
+
+/// The number of a point on a side of a grid of `n` segments, counted along the sides.
+pub(super) fn rim_index([x, y]: [u32; 2], n: u32, triangles: bool) -> u32 {
+    match (x, y) {
+        (x, 0) => x,
+        (x, y) if x == n => n + y,
+        (x, _) if triangles => 3 * n - x,
+        (x, y) if y == n => 3 * n - x,
+        (_, y) => 4 * n - y,
+    }
+}
+
+/// The points on the sides of grids of `groups` columns each.
+fn rims(weights: &[f32], groups: usize, width: u32, level: u32, triangles: bool) -> Vec<f32> {
+    let (n, width) = (1_u32 << level, width as usize);
+    let side = n + 1;
+    let stride = rim_len(level, triangles) as usize;
+    let grid = (side * side) as usize;
+    let mut out = vec![0.0; groups * stride * width];
+    let on_side = |x: u32, y: u32| match triangles {
+        true => y <= x && (y == 0 || x == n || x == y),
+        false => x == 0 || y == 0 || x == n || y == n,
+    };
+    for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
+        if !on_side(x, y) {
+            continue;
+        }
+        let to = rim_index([x, y], n, triangles) as usize;
+        let from = (y * side + x) as usize;
+        for group in 0..groups {
+            let (from, to) = ((group * grid + from) * width, (group * stride + to) * width);
+            out[to..to + width].copy_from_slice(&weights[from..from + width]);
+        }
+    }
+    out
+}
+
+/// Points of a rim.
+fn rim_len(level: u32, triangles: bool) -> u32 {
+    (if triangles { 3 } else { 4 }) << level
 }
 
 /// Most bytes of all tables of a surface.
@@ -52,7 +111,7 @@ fn take(
 ) -> Result<(), GpuError> {
     let bytes = shapes.iter().map(|&(shape, level)| {
         let side = (1_u128 << level) + 1;
-        4 * side * side * subs(surface, shape) as u128 * values(shape) as u128
+        4 * side * (side + 4) * subs(surface, shape) as u128 * values(shape) as u128
     });
     let bytes = bytes.sum();
     if bytes > MOST_BYTES {
@@ -77,35 +136,49 @@ const NO_WEIGHTS: GpuError = GpuError::Missing {
 };
 
 /// Makes the tables of `shapes` at their levels.
+///
+/// Where control points are drawn, positions are those after as many steps as the level says; derivatives stay those of the limit.
 pub(super) fn make(
     surface: &Surface,
     shapes: &[Wanted<'_>],
+    drawing: Drawing,
+    width: u32,
     budget: &mut Budget<'_>,
 ) -> Result<Vec<Table>, GpuError> {
-    take(surface, shapes, |shape| 3 * shape.vertices.len(), budget)?;
+    let values = |shape: &Surroundings| width as usize * shape.vertices.len();
+    take(surface, shapes, values, budget)?;
     let limits = budget.limits();
     shapes
         .par_iter()
         .map(|&(shape, level)| {
             limits.check()?;
-            one(surface, shape, level)
+            one(surface, shape, level, drawing, width)
         })
         .collect()
 }
 
-fn one(whole: &Surface, shape: &Surroundings, level: u32) -> Result<Table, GpuError> {
+fn one(
+    whole: &Surface,
+    shape: &Surroundings,
+    level: u32,
+    drawing: Drawing,
+    width: u32,
+) -> Result<Table, GpuError> {
     let (split, triangles) = (whole.is_split(), whole.is_triangular());
     let mut surface = shape.surface(whole);
     let count = shape.vertices.len();
     let n = 1_u32 << level;
     let side = n as usize + 1;
+    let place = |i: usize, j: usize| [i, j].map(|k| k as f32 / n as f32);
     let subs = subs(whole, shape);
     // A face of four corners among others is evaluated as a whole, its quads being quarters.
     let quarters = split && shape.size() == 4;
     let asked = if quarters { 2 * n } else { n };
-    let mut weights = vec![0.0_f32; subs * count * side * side * 3];
+    let mut weights = vec![0.0_f32; subs * count * side * side * width as usize];
+    let flat_in = width > 3 && surface.scheme() != Scheme::Bilinear;
+    let mut corners = flat_in.then(|| Corners::new(subs, count, triangles));
     let mut samples = Vec::new();
-    let mut points = vec![[0.0_f32; 3]; count];
+    let mut points = vec![[0.0_f32; 3]; surface.control_base().len()];
     for first in (0..count).step_by(3) {
         points.fill([0.0; 3]);
         for k in first..count.min(first + 3) {
@@ -116,6 +189,14 @@ fn one(whole: &Surface, shape: &Surroundings, level: u32) -> Result<Table, GpuEr
         samples.clear();
         samples.resize(face.grid_len(asked), Tangents::default());
         face.grid(asked, &mut samples).map_err(|_| NO_WEIGHTS)?;
+        let refined: Vec<DicedQuad> = match drawing {
+            Drawing::Refined => surface.refine_quads(level).take(subs).collect(),
+            Drawing::Limit | Drawing::Cage => Vec::new(),
+        };
+        if let Some(corners) = &mut corners {
+            corners.read(&surface, first);
+        }
+        let mut jets = (width > 3).then(|| PlaceJets::new(&surface, level));
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -127,21 +208,40 @@ fn one(whole: &Surface, shape: &Surroundings, level: u32) -> Result<Table, GpuEr
                         _ => (sub * side + j) * side + i,
                     };
                     let s = &samples[found];
+                    let refined = refined.get(sub).map(|q| q.points[j * side + i]);
+                    let position = refined.unwrap_or(s.position);
+                    let all = match &mut jets {
+                        Some(jets) => Some(jets.points(sub as u32, place(i, j)).ok_or(NO_WEIGHTS)?),
+                        None => None,
+                    };
                     for k in first..count.min(first + 3) {
-                        let at = ((sub * count + k) * side * side + j * side + i) * 3;
+                        let at = (sub * count + k) * side * side + j * side + i;
+                        let out = &mut weights[at * width as usize..][..width as usize];
                         let c = k - first;
-                        weights[at..at + 3].copy_from_slice(&[s.position[c], s.du[c], s.dv[c]]);
+                        out[..3].copy_from_slice(&[position[c], s.du[c], s.dv[c]]);
+                        if let Some(all) = &all {
+                            out[1..].copy_from_slice(&all.map(|d| d[c]));
+                        }
                     }
                 }
             }
         }
     }
-    let table = Table {
+    let mut table = Table {
         level,
         columns: (0..count as u32).collect(),
+        width,
         weights,
+        ..Table::default()
     };
-    Ok(compact(table, subs))
+    if let Some(corners) = &corners {
+        corners.mend(&mut table, subs);
+    }
+    let mut table = compact(table, subs);
+    let groups = subs * table.columns.len();
+    table.rim = rims(&table.weights, groups, width, level, triangles);
+    table.rim_stride = rim_len(level, triangles);
+    Ok(table)
 }
 
 /// Where in a grid of `n` segments over a face of four corners point (i, j) of its quad at corner `sub` is.
@@ -157,7 +257,7 @@ fn quarter(sub: usize, i: usize, j: usize, n: usize) -> usize {
 
 /// Leaves out columns without weights. The first stays: points are summed up relative to it.
 fn compact(table: Table, subs: usize) -> Table {
-    let size = table.stride() as usize * 3;
+    let size = (table.stride() * table.width) as usize;
     let count = table.columns.len();
     let column = |sub: usize, k: usize| {
         let at = (sub * count + k) * size;
@@ -177,7 +277,9 @@ fn compact(table: Table, subs: usize) -> Table {
     Table {
         level: table.level,
         columns: kept.iter().map(|&k| table.columns[k]).collect(),
+        width: table.width,
         weights,
+        ..Table::default()
     }
 }
 
@@ -187,19 +289,34 @@ pub(super) struct UvTable {
     pub(super) level: u32,
     /// Columns: local texture coordinates.
     pub(super) count: u32,
-    /// By quad of the face where it is split, by column, by point of the grid.
+    /// Weights of a column at a point.
+    pub(super) width: u32,
+    /// The same of the points on the sides alone, by [`rim_index`].
+    pub(super) rim: Vec<f32>,
+    /// Points of a rim.
+    pub(super) rim_stride: u32,
+    /// The value, and where there are three du and dv; by quad of the face where it is split, by column, by point of the grid.
     pub(super) weights: Vec<f32>,
 }
 
 impl UvTable {
+    /// First weight of quad `sub` in the rim.
+    pub(super) fn rim_offset(&self, sub: u32) -> u32 {
+        sub * self.count * self.rim_stride * self.width
+    }
+
     /// First weight of quad `sub`.
     pub(super) fn offset(&self, sub: u32) -> u32 {
         let side = (1 << self.level) + 1;
-        sub * self.count * side * side
+        sub * self.count * side * side * self.width
     }
 
     pub(super) fn bytes(&self) -> u64 {
         4 * self.weights.len() as u64
+    }
+
+    pub(super) fn rim_bytes(&self) -> u64 {
+        4 * self.rim.len() as u64
     }
 }
 
@@ -207,28 +324,36 @@ impl UvTable {
 pub(super) fn make_uvs(
     surface: &Surface,
     shapes: &[Wanted<'_>],
+    width: u32,
     budget: &mut Budget<'_>,
 ) -> Result<Vec<UvTable>, GpuError> {
-    take(surface, shapes, |shape| shape.uvs.len(), budget)?;
+    let values = |shape: &Surroundings| width as usize * shape.uvs.len();
+    take(surface, shapes, values, budget)?;
     let limits = budget.limits();
     shapes
         .par_iter()
         .map(|&(shape, level)| {
             limits.check()?;
-            one_uvs(surface, shape, level)
+            one_uvs(surface, shape, level, width)
         })
         .collect()
 }
 
-fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> Result<UvTable, GpuError> {
+fn one_uvs(
+    whole: &Surface,
+    shape: &Surroundings,
+    level: u32,
+    width: u32,
+) -> Result<UvTable, GpuError> {
     let split = whole.is_split();
     // A face without any among faces that have some has zeros.
     let is_known = shape.has_own_uvs();
     let count = shape.uvs.len();
     let n = 1_usize << level;
     let side = n + 1;
+    let place = |i: usize, j: usize| [i, j].map(|k| k as f32 / n as f32);
     let subs = subs(whole, shape);
-    let mut weights = vec![0.0_f32; subs * count * side * side];
+    let mut weights = vec![0.0_f32; subs * count * side * side * width as usize];
     for first in (0..count).step_by(2) {
         let mut values = vec![[0.0_f32; 2]; count];
         values[first][0] = 1.0;
@@ -237,6 +362,7 @@ fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> Result<UvTable,
         }
         let surface = shape.surface_with(whole, &values);
         let mut face = surface.face_evaluator(0).ok_or(NO_WEIGHTS)?;
+        let mut jets = (width > 1).then(|| PlaceJets::new(&surface, level));
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -258,8 +384,17 @@ fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> Result<UvTable,
                         None if is_known => return Err(NO_WEIGHTS),
                         found => found.unwrap_or_default(),
                     };
+                    let by = match &mut jets {
+                        Some(jets) => Some(jets.uvs(sub as u32, place(i, j)).ok_or(NO_WEIGHTS)?),
+                        None => None,
+                    };
                     for k in first..count.min(first + 2) {
-                        weights[((sub * count + k) * side + j) * side + i] = found[k - first];
+                        let at = ((sub * count + k) * side + j) * side + i;
+                        let out = &mut weights[at * width as usize..][..width as usize];
+                        out[0] = found[k - first];
+                        if let Some(by) = by {
+                            out[1..].copy_from_slice(&by.map(|d| d[k - first]));
+                        }
                     }
                 }
             }
@@ -268,6 +403,9 @@ fn one_uvs(whole: &Surface, shape: &Surroundings, level: u32) -> Result<UvTable,
     Ok(UvTable {
         level,
         count: count as u32,
+        width,
+        rim: rims(&weights, subs * count, width, level, whole.is_triangular()),
+        rim_stride: rim_len(level, whole.is_triangular()),
         weights,
     })
 }

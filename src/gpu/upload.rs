@@ -4,9 +4,11 @@ use super::chunk::{ChunkData, NamedBlock};
 use super::device::Gpu;
 use super::error::GpuError;
 use super::pipelines::Pipelines;
-use super::records::{POINT_FLOATS, Record, words};
+use super::records::{Lift, Material, POINT_FLOATS, Record, words};
 use crate::frame::Scene;
 use crate::limits::Budget;
+use crate::shade::{Relief, SurfaceMaterial};
+use crate::topology::NONE;
 use wgpu::BufferUsages as Usage;
 
 /// A chunk on the device, ready to be diced.
@@ -16,6 +18,8 @@ pub(super) struct DeviceChunk {
     pub(super) large: wgpu::Buffer,
     pub(super) uvs: wgpu::Buffer,
     pub(super) colors: wgpu::Buffer,
+    pub(super) tangents: wgpu::Buffer,
+    pub(super) rise: wgpu::Buffer,
     pub(super) sides: wgpu::BindGroup,
     pub(super) inside: wgpu::BindGroup,
     /// Which blocks there are.
@@ -55,6 +59,36 @@ pub(super) fn textures(
     Ok((gpu.filled("textures", &words)?, places))
 }
 
+/// All materials, the last one that of faces without; `places` says where textures begin.
+pub(super) fn materials(scene: &Scene, places: &[u32]) -> Vec<Material> {
+    let default = scene.default_material.unwrap_or(SurfaceMaterial::CLAY);
+    let materials = scene.materials.iter().chain([&default]);
+    let place = |map: Option<u32>| {
+        let found = map.and_then(|map| places.get(map as usize).copied());
+        found.unwrap_or(NONE)
+    };
+    let materials = materials.map(|m| {
+        let [r, g, b] = m.diffuse;
+        let (relief, bump) = match m.relief {
+            None => (None, 0.0),
+            Some(Relief::Normals(map)) => (Some(map), 0.0),
+            Some(Relief::Heights { map, strength }) => (Some(map), strength),
+        };
+        Material {
+            diffuse: [r, g, b, 1.0],
+            map: place(m.diffuse_map),
+            opacity_map: place(m.opacity_map),
+            relief_map: match bump == 0.0 && matches!(m.relief, Some(Relief::Heights { .. })) {
+                // Heights of nothing.
+                true => NONE,
+                false => place(relief),
+            },
+            bump,
+        }
+    });
+    materials.collect()
+}
+
 pub(super) fn point_words(points: &[[f32; 3]]) -> Vec<u32> {
     points.iter().flatten().map(|c| c.to_bits()).collect()
 }
@@ -72,7 +106,7 @@ fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
 pub(super) fn device_chunk(
     gpu: &Gpu,
     pipelines: &Pipelines,
-    control: &wgpu::Buffer,
+    [control, heights]: [&wgpu::Buffer; 2],
     data: ChunkData,
     phases: usize,
     scene_bytes: &mut u64,
@@ -92,6 +126,13 @@ pub(super) fn device_chunk(
     let phases = (0..phases)
         .map(|phase| uniform(gpu, &data.record(phase as u32)))
         .collect::<Result<Vec<_>, _>>()?;
+    let rise = uniform(gpu, &data.look.rise)?;
+    // A binding holds one record at least.
+    let lifts = match &data.lifts[..] {
+        [] => words(&[Lift::default()]),
+        lifts => words(lifts),
+    };
+    let lifts = gpu.filled("what spots take from elsewhere", &lifts)?;
     let shared = [
         (0, &phases[0]),
         (1, control),
@@ -99,9 +140,11 @@ pub(super) fn device_chunk(
         (3, &weights),
         (4, &stencils),
         (9, &points),
+        (12, &rise),
+        (14, heights),
     ];
-    let side_bindings = [&shared[..], &[(5, &spots)]].concat();
-    let has_uvs = data.faces.iter().any(|f| f.uv_count > 0);
+    let side_bindings = [&shared[..], &[(5, &spots), (13, &lifts)]].concat();
+    let has_uvs = data.look.textured && data.faces.iter().any(|f| f.uv_count > 0);
     let uv_bytes = if has_uvs {
         8 * u64::from(data.points())
     } else {
@@ -115,17 +158,24 @@ pub(super) fn device_chunk(
         16
     };
     let colors = gpu.empty("colours", color_bytes, Usage::STORAGE)?;
+    let tangent_bytes = if has_uvs && data.look.tilted {
+        24 * u64::from(data.points())
+    } else {
+        16
+    };
+    let tangents = gpu.empty("what tilts normals", tangent_bytes, Usage::STORAGE)?;
     let own = [
         (6, &faces),
         (7, &blocks),
         (8, &moves),
         (10, &uvs),
         (11, &colors),
+        (15, &tangents),
     ];
     let inside_bindings = [&shared[..], &own].concat();
     let all = [
         &gathers, &weights, &stencils, &spots, &faces, &blocks, &moves, &points, &large, &uvs,
-        &colors,
+        &colors, &tangents, &lifts,
     ];
     *scene_bytes += all.iter().map(|b| b.size()).sum::<u64>();
     Ok(DeviceChunk {
@@ -141,6 +191,8 @@ pub(super) fn device_chunk(
         large,
         uvs,
         colors,
+        tangents,
+        rise,
         blocks,
         faces,
         phases,

@@ -16,6 +16,8 @@ pub(super) struct Drawn {
     /// Degrees by which the lights are turned.
     pub(super) light_turn: f64,
     pub(super) id_bits: u32,
+    /// Whether blocks were decided for the view.
+    pub(super) tessellated: bool,
 }
 
 /// Sample positions, two by two.

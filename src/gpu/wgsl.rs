@@ -2,6 +2,7 @@
 //! with others and its own file.
 
 use super::records::POINT_FLOATS;
+use crate::patch::NET_LEN;
 use crate::raster::GUARD_BAND;
 use crate::records::BLOCK_POINTS;
 use crate::scheme::INFINITE_SHARPNESS;
@@ -27,9 +28,38 @@ pub(super) const ALIGN: u32 = 64;
 /// Micro-quads along a side of the largest block, as a power of two.
 pub(super) const BLOCK_BITS: u32 = (BLOCK_POINTS as u32 - 1).ilog2();
 
+/// Kind of a chunk of quadratic patches through points of level 1.
+pub const QAS: u32 = 1;
+/// Kind of a chunk of curved PN triangles.
+pub const PN: u32 = 2;
+
+/// [`Rise::shape`](super::records::Rise::shape) of what is not displaced.
+pub const STILL: u32 = 0;
+/// Of a map.
+pub const MAP: u32 = 1;
+/// Of octaves of noise.
+pub const NOISE: u32 = 2;
+/// Of octaves of ridges.
+pub const RIDGED: u32 = 3;
+/// Of waves.
+pub const RIPPLES: u32 = 4;
+
+/// Bits of a row or column of a face.
+const PLACE_BITS: u32 = 12;
+
+/// A place on the grid of `level` of a face of PN triangles.
+#[must_use]
+pub fn pn_place([x, y]: [u32; 2], level: u32) -> u32 {
+    (((level << PLACE_BITS) | y) << PLACE_BITS) | x
+}
+
 const INDEX: &str = include_str!("wgsl/index.wgsl");
 const RECORDS: &str = include_str!("wgsl/records.wgsl");
+const HEIGHT: &str = include_str!("wgsl/height.wgsl");
 const SCREEN: &str = include_str!("wgsl/screen.wgsl");
+const TEXTURE: &str = include_str!("wgsl/texture.wgsl");
+const SURFACE: &str = include_str!("wgsl/surface.wgsl");
+const CUTOUT: &str = include_str!("wgsl/cutout.wgsl");
 const WIDE: &str = include_str!("wgsl/wide.wgsl");
 
 /// How keys are written: by one maximum of 64 bits, or in two passes of 32.
@@ -60,6 +90,15 @@ fn numbers() -> String {
         ("BLOCK_SIDE", BLOCK_POINTS as u32),
         ("BLOCK_BITS", BLOCK_BITS),
         ("LEVEL_COUNT", LEVEL_COLORS.len() as u32),
+        ("QAS", QAS),
+        ("PN", PN),
+        ("PN_HALF", NET_LEN),
+        ("PLACE_BITS", PLACE_BITS),
+        ("STILL", STILL),
+        ("MAP", MAP),
+        ("NOISE", NOISE),
+        ("RIDGED", RIDGED),
+        ("RIPPLES", RIPPLES),
         ("LIT", ShadeMode::Lit as u32),
         ("FLAT", ShadeMode::Flat as u32),
         ("NORMALS", ShadeMode::Normals as u32),
@@ -84,6 +123,52 @@ fn numbers() -> String {
     out
 }
 
+/// What stages leave out where a scene has none of it: long code that drivers need not read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Variant {
+    /// Whether anything is displaced.
+    pub lifted: bool,
+    /// Whether normals are tilted pixel by pixel.
+    pub tilted: bool,
+    /// Whether anything is cut out by opacity maps.
+    pub cut: bool,
+}
+
+impl Variant {
+    /// Those with nothing and with everything.
+    pub const ENDS: [Self; 2] = [
+        Self {
+            lifted: false,
+            tilted: false,
+            cut: false,
+        },
+        Self {
+            lifted: true,
+            tilted: true,
+            cut: true,
+        },
+    ];
+    /// How many there are.
+    #[cfg(feature = "gpu")]
+    pub(super) const COUNT: usize = 8;
+
+    /// Its number.
+    #[cfg(feature = "gpu")]
+    pub(super) fn number(self) -> usize {
+        usize::from(self.lifted) | usize::from(self.tilted) << 1 | usize::from(self.cut) << 2
+    }
+
+    fn constants(self) -> String {
+        let of = [
+            ("LIFTED", self.lifted),
+            ("TILTED", self.tilted),
+            ("CUT", self.cut),
+        ];
+        of.map(|(name, is)| format!("const {name} = {is};\n"))
+            .concat()
+    }
+}
+
 fn source(name: &'static str, parts: &[&str]) -> Source {
     Source {
         name,
@@ -93,23 +178,42 @@ fn source(name: &'static str, parts: &[&str]) -> Source {
 
 /// Corners, sides and insides of blocks.
 #[must_use]
-pub fn dice() -> Source {
-    source("dice", &[include_str!("wgsl/dice.wgsl")])
+pub fn dice(variant: Variant) -> Source {
+    let parts = [
+        &*variant.constants(),
+        HEIGHT,
+        include_str!("wgsl/displace.wgsl"),
+        include_str!("wgsl/dice.wgsl"),
+    ];
+    source("dice", &parts)
 }
 
 /// Micro-quads into keys.
 #[must_use]
-pub fn tile(by: Keys) -> Source {
-    let parts = [SCREEN, keys(by), include_str!("wgsl/tile.wgsl")];
+pub fn tile(by: Keys, variant: Variant) -> Source {
+    let parts = [
+        &*variant.constants(),
+        SCREEN,
+        WIDE,
+        SURFACE,
+        TEXTURE,
+        CUTOUT,
+        keys(by),
+        include_str!("wgsl/tile.wgsl"),
+    ];
     source("tile", &parts)
 }
 
 /// Large and clipped quads into keys.
 #[must_use]
-pub fn large(by: Keys) -> Source {
+pub fn large(by: Keys, variant: Variant) -> Source {
     let parts = [
+        &*variant.constants(),
         SCREEN,
         WIDE,
+        SURFACE,
+        TEXTURE,
+        CUTOUT,
         include_str!("wgsl/clip.wgsl"),
         keys(by),
         include_str!("wgsl/large.wgsl"),
@@ -119,11 +223,16 @@ pub fn large(by: Keys) -> Source {
 
 /// Keys into colours.
 #[must_use]
-pub fn shade() -> Source {
+pub fn shade(variant: Variant) -> Source {
     let parts = [
+        &*variant.constants(),
         SCREEN,
         WIDE,
+        SURFACE,
+        TEXTURE,
+        HEIGHT,
         include_str!("wgsl/light.wgsl"),
+        include_str!("wgsl/relief.wgsl"),
         include_str!("wgsl/shade.wgsl"),
     ];
     source("shade", &parts)
@@ -169,17 +278,12 @@ pub fn connectivity() -> Source {
 /// All of them.
 #[must_use]
 pub fn all() -> Vec<Source> {
-    let mut out = vec![
-        dice(),
-        shade(),
-        film(),
-        face(),
-        edge(),
-        vertex(),
-        connectivity(),
-    ];
-    for by in [Keys::Wide, Keys::TwoPass] {
-        out.extend([tile(by), large(by)]);
+    let mut out = vec![film(), face(), edge(), vertex(), connectivity()];
+    for variant in Variant::ENDS {
+        out.extend([dice(variant), shade(variant)]);
+        for by in [Keys::Wide, Keys::TwoPass] {
+            out.extend([tile(by, variant), large(by, variant)]);
+        }
     }
     out
 }

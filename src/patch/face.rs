@@ -32,6 +32,9 @@ pub(super) struct Half {
     pub(super) corners: [Weights; 3],
 }
 
+/// Vectors of a half in a list: its points, its normals, and barycentric coordinates of its corners.
+pub(crate) const NET_LEN: u32 = 10 + 6 + 3;
+
 /// What a grid is made of.
 #[derive(Clone, Copy, Debug)]
 #[expect(
@@ -103,6 +106,21 @@ impl FacePatches {
     ) {
         self.level = level;
         self.shape = cage.shape(t, points, q, split);
+    }
+
+    /// Appends what cubic halves are made of, [`NET_LEN`] vectors each. Others have none.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn list_nets(&self, out: &mut Vec<[f32; 3]>) {
+        let halves: &[Half] = match &self.shape {
+            Shape::Square(_) => &[],
+            Shape::Triangle(half) => std::slice::from_ref(half),
+            Shape::Halves(halves) => halves,
+        };
+        for half in halves {
+            if let Net::Cubic(points) = &half.points {
+                out.extend(points.iter().chain(&half.normals).chain(&half.corners));
+            }
+        }
     }
 
     /// Dices block (`bu`, `bv`) of the level that was prepared.

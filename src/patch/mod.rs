@@ -18,7 +18,7 @@ mod normals;
 mod pn;
 mod qas;
 
-pub(crate) use face::FacePatches;
+pub(crate) use face::{FacePatches, NET_LEN};
 pub(crate) use pn::PnCage;
 
 /// What of a surface is diced.

@@ -1,6 +1,8 @@
 //! Derivatives of a surface, and of its texture coordinates, at points of a face's grid.
 
 use super::Surface;
+#[cfg(feature = "gpu")]
+use super::displaced::linear_derivatives;
 use crate::control::{Kind, TreeChannel};
 use crate::dice::control::Descend;
 use crate::dice::evaluate::{self, Jet, Leaf, Place, QuadEvaluator, Row};
@@ -254,6 +256,48 @@ impl Jets {
                 (at..at + us.len()).for_each(|k| grid.put(k, [0.0; 3]));
             }
         }
+    }
+}
+
+/// Derivatives of a surface at places of one level, for who keeps no grids.
+#[cfg(feature = "gpu")]
+pub(crate) struct PlaceJets<'a> {
+    surface: &'a Surface,
+    level: u32,
+    points: Jets,
+    uvs: Jets,
+}
+
+#[cfg(feature = "gpu")]
+impl<'a> PlaceJets<'a> {
+    /// Of the surface at points of the grids of `level`.
+    pub(crate) fn new(surface: &'a Surface, level: u32) -> Self {
+        surface.ensure(level);
+        Self {
+            surface,
+            level,
+            points: Jets::default(),
+            uvs: Jets::default(),
+        }
+    }
+
+    /// By u, by v, by u twice, by u and v, by v twice, at column and row `at` of quad `q`, both from 0 to 1; second ones are zeros where
+    /// there are none. None of interpolating surfaces.
+    pub(crate) fn points(&mut self, q: u32, at: [f32; 2]) -> Option<[[f32; 3]; 5]> {
+        let of = (Kind::Points, self.level);
+        let found = (self.points).at::<2>(self.surface, of.0, of.1, q, at)?;
+        let [uu, uv, vv] = found.second;
+        Some([found.du, found.dv, uu, uv, vv])
+    }
+
+    /// The first two of the texture coordinates.
+    pub(crate) fn uvs(&mut self, q: u32, at: [f32; 2]) -> Option<[[f32; 2]; 2]> {
+        let surface = self.surface;
+        let found = match surface.has_linear_uvs() {
+            true => linear_derivatives(surface, q, surface.triangles, at),
+            false => (self.uvs).at::<1>(surface, Kind::Uvs, self.level, q, at)?,
+        };
+        Some([found.du, found.dv].map(|[u, v, _]| [u, v]))
     }
 }
 

@@ -44,6 +44,23 @@ fn studs(side: u32) -> Texture {
     .unwrap()
 }
 
+/// Displacements that have no goldens of their own.
+#[allow(dead_code, reason = "of one of the suites that this belongs to")]
+pub(crate) fn by(name: &str) -> Displacement {
+    match name {
+        "map" => Displacement::map(rough(64)).scaled(0.06),
+        "pixels" => Displacement::map(rough(64))
+            .scaled(0.02)
+            .with_slopes_per_pixel(true),
+        "ripples" => function("ripples:frequency=3,t=0.3,x=0.2").scaled(0.03),
+        "ridges" => function("ridged:frequency=2,octaves=3").scaled(0.04),
+        "moving" => function("perlin:frequency=3,t=1.4,seed=5").scaled(0.05),
+        _ => function("fbm:frequency=4,octaves=4,seed=3")
+            .scaled(0.05)
+            .biased(0.01),
+    }
+}
+
 pub(crate) fn edit(name: &str, scene: &mut Scene) {
     let displacement = match name {
         "displace_seam" => Displacement::map(rough(64)).scaled(0.06),

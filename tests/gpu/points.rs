@@ -1,16 +1,21 @@
 //! Diced points and normals, read back for the test: against the processor's, and among faces that share them.
 
 use crate::{asset, gpu, gpu_with, plain, torus, uniform};
+use earmark::frame::Drawing;
 use earmark::gpu::{DeviceOptions, Gpu, GpuScene, ReadBlock};
 use earmark::patch::PatchKind;
 use earmark::scheme::{INFINITE_SHARPNESS, Scheme};
-use earmark::{Camera, Scene, Surface, SurfaceOptions};
+use earmark::surface::DicedQuad;
+use earmark::{Camera, Renderer, Scene, Surface, SurfaceOptions};
 use std::ops::RangeInclusive;
 
 /// Blocks of a scene at a uniform level.
-fn blocks(gpu: &Gpu, scene: &Scene, level: u32) -> Vec<ReadBlock> {
-    let renderer = uniform(32, 32, level);
-    let mut ready = GpuScene::new(gpu, &renderer, scene, &Camera::default()).unwrap();
+pub(crate) fn blocks(gpu: &Gpu, scene: &Scene, level: u32) -> Vec<ReadBlock> {
+    read(gpu, &uniform(32, 32, level), scene)
+}
+
+fn read(gpu: &Gpu, renderer: &Renderer, scene: &Scene) -> Vec<ReadBlock> {
+    let mut ready = GpuScene::new(gpu, renderer, scene, &Camera::default()).unwrap();
     ready.draw().unwrap();
     ready.read_blocks().unwrap()
 }
@@ -28,20 +33,20 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f64 {
 
 /// How far a device's points are from the processor's.
 #[derive(Default)]
-struct Compared {
+pub(crate) struct Compared {
     /// Largest distance of points, relative to the surface.
-    distance: f64,
+    pub(crate) distance: f64,
     /// Angles between normals in degrees.
-    angles: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
     /// Points where the processor has a normal and the device none.
-    bare: usize,
+    pub(crate) bare: usize,
     /// Largest difference of a normal's length from 1.
     length: f64,
-    points: usize,
+    pub(crate) points: usize,
 }
 
 impl Compared {
-    fn angle(&self) -> f64 {
+    pub(crate) fn angle(&self) -> f64 {
         self.angles.iter().copied().fold(0.0, f64::max)
     }
 
@@ -59,12 +64,21 @@ impl Compared {
     }
 }
 
-fn compare(surface: &Surface, blocks: &[ReadBlock], level: u32) -> Compared {
+pub(crate) fn compare(surface: &Surface, blocks: &[ReadBlock], level: u32) -> Compared {
     let quad_level = level - u32::from(surface.is_split());
+    compare_with(surface, blocks, |q| surface.dice(q, quad_level))
+}
+
+/// The same with quads that are to be found.
+fn compare_with(
+    surface: &Surface,
+    blocks: &[ReadBlock],
+    of: impl Fn(u32) -> DicedQuad,
+) -> Compared {
     let mut out = Compared::default();
     let size = size(surface);
     for block in blocks {
-        let want = surface.dice(block.quad, quad_level);
+        let want = of(block.quad);
         for (k, got) in block.points.iter().enumerate() {
             let (i, j) = (k % block.side, k / block.side);
             let at = (block.start[1] as usize + j) * want.side + block.start[0] as usize + i;
@@ -245,6 +259,182 @@ fn quadratic_patches_are_the_processors() {
     println!(
         "gpu patches: {run} cases, off by at most {far:.1e} of the model and {turned:.4} degrees"
     );
+}
+
+#[test]
+fn pn_triangles_are_the_processors() {
+    let Some(gpu) = gpu("PN triangles") else {
+        return;
+    };
+    let (mut far, mut turned, mut run) = (0.0_f64, 0.0_f64, 0);
+    for (name, scheme) in [
+        ("creature", Scheme::CatmullClark),
+        ("part", Scheme::CatmullClark),
+        ("part_creased", Scheme::CatmullClark),
+        ("cube", Scheme::CatmullClark),
+        ("octahedron", Scheme::Loop),
+    ] {
+        let options = SurfaceOptions {
+            scheme: Some(scheme),
+            patches: PatchKind::Pn,
+            ..SurfaceOptions::default()
+        };
+        let mut scene = plain(asset(name, options));
+        let vertices = scene.objects[0].surface.cage().points().len();
+        for (level, tension) in [(1, 1.0), (4, 0.5)] {
+            let surface = &mut scene.objects[0].surface;
+            surface.set_tension(&vec![tension; vertices]).unwrap();
+            let surface = &scene.objects[0].surface;
+            let found = blocks(&gpu, &scene, level);
+            let got = compare(surface, &found, level);
+            let (distance, angle) = (got.distance, got.angle());
+            println!(
+                "gpu PN triangles {name} {level}: {distance:.1e} of the model, {angle:.4} degrees, {} points",
+                got.points
+            );
+            got.check(&format!("{name} at level {level}"), 0..=0);
+            assert!(angle <= 0.05, "{name} at level {level}: {angle} degrees");
+            if scheme == Scheme::CatmullClark && level < 6 {
+                let (differ, compared) = differing(surface, &found);
+                assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
+            }
+            (far, turned) = (far.max(distance), turned.max(angle));
+            run += 1;
+        }
+        // Points move, and the triangles with them.
+        let camera = Camera::default();
+        let renderer = uniform(32, 32, 2);
+        let mut ready = GpuScene::new(&gpu, &renderer, &scene, &camera).unwrap();
+        let still = ready.draw().unwrap();
+        let surface = &mut scene.objects[0].surface;
+        let moved: Vec<[f32; 3]> = (surface.cage().points().iter())
+            .map(|p| [p[0] + 0.1 * p[1], p[1] * 0.9, p[2] - 0.05])
+            .collect();
+        surface.update_points(&moved).unwrap();
+        ready.move_points(&moved).unwrap();
+        let drawn = ready.draw().unwrap();
+        assert!(drawn.stats.bytes_up > still.stats.bytes_up + 12 * moved.len() as u64);
+        let got = compare(&scene.objects[0].surface, &ready.read_blocks().unwrap(), 2);
+        got.check(&format!("{name} moved"), 0..=0);
+        assert!(got.angle() <= 0.05, "{name} moved: {} degrees", got.angle());
+        run += 1;
+    }
+    println!(
+        "gpu PN triangles: {run} cases, off by at most {far:.1e} of the model and {turned:.4} degrees"
+    );
+}
+
+#[test]
+fn displaced_points_are_the_processors() {
+    let Some(gpu) = gpu("displaced points") else {
+        return;
+    };
+    // Small chunks: sides between chunks are evaluated in both.
+    let small = DeviceOptions {
+        max_binding: 4_000_000,
+        ..DeviceOptions::default()
+    };
+    let Some(chunked) = gpu_with("displaced points", &small) else {
+        return;
+    };
+    use Scheme::{Bilinear, CatmullClark, Loop};
+    let (mut far, mut turned, mut run) = (0.0_f64, 0.0_f64, 0);
+    for (name, scheme, by, level) in [
+        ("creature", CatmullClark, "map", 4),
+        ("creature", CatmullClark, "noise", 3),
+        ("creature", CatmullClark, "ridges", 3),
+        ("part", CatmullClark, "noise", 3),
+        ("part", CatmullClark, "ripples", 2),
+        ("part_creased", CatmullClark, "noise", 3),
+        ("part_creased", CatmullClark, "moving", 3),
+        ("part_creased", Bilinear, "noise", 2),
+        ("mobius", CatmullClark, "noise", 3),
+        ("fan5", CatmullClark, "noise", 3),
+        ("octahedron", Loop, "noise", 4),
+        ("tetrahedron", Loop, "moving", 3),
+    ] {
+        let options = SurfaceOptions {
+            scheme: Some(scheme),
+            ..SurfaceOptions::default()
+        };
+        let mut scene = plain(asset(name, options));
+        let surface = &mut scene.objects[0].surface;
+        surface.set_displacement(Some(crate::displaced::by(by)));
+        let surface = &scene.objects[0].surface;
+        for gpu in [&gpu, &chunked] {
+            let found = blocks(gpu, &scene, level);
+            let got = compare(surface, &found, level);
+            let (distance, angle) = (got.distance, got.angle());
+            let far_off = got.angles.iter().filter(|&&a| a > 0.05).count();
+            println!(
+                "gpu displaced points {name} {scheme:?} {by} {level}: {distance:.1e} of the model, {angle:.4} degrees, {far_off} beyond 0.05, {} points, {} without a normal",
+                got.points, got.bare
+            );
+            // Where sides of a bilinear face run on straight there is none.
+            let straight = if scheme == Bilinear {
+                flat_corners(surface)
+            } else {
+                0
+            };
+            assert!(got.bare <= straight, "{name} {by}: {}", got.bare);
+            // Of rough maps the slopes make more of what texture coordinates differ by.
+            let most = if by == "map" { 4e-6 } else { 2e-6 };
+            assert!(distance <= most, "{name} {by}: {distance}");
+            // At flat corners and where texels meet; bilinear faces have corners without an angle.
+            let odd = flat_corners(surface) + got.points / 20_000;
+            assert!(far_off <= odd, "{name} {by}: {far_off} of {odd}");
+            if scheme != Loop {
+                let (differ, compared) = differing(surface, &found);
+                assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
+            }
+            (far, turned) = (far.max(distance), turned.max(angle));
+            run += 1;
+        }
+    }
+    println!(
+        "gpu displaced points: {run} cases, off by at most {far:.1e} of the model and {turned:.4} degrees"
+    );
+}
+
+#[test]
+fn control_points_are_the_processors() {
+    let Some(gpu) = gpu("control points") else {
+        return;
+    };
+    let mut run = 0;
+    for (name, scheme) in [
+        ("creature", Scheme::CatmullClark),
+        ("part_creased", Scheme::CatmullClark),
+        ("corner", Scheme::CatmullClark),
+        ("octahedron", Scheme::Loop),
+    ] {
+        let scene = plain(asset(
+            name,
+            SurfaceOptions {
+                scheme: Some(scheme),
+                ..SurfaceOptions::default()
+            },
+        ));
+        let surface = &scene.objects[0].surface;
+        for level in [1, 3] {
+            let mut renderer = uniform(32, 32, level);
+            renderer.drawing = Drawing::Refined;
+            let found = read(&gpu, &renderer, &scene);
+            let quads: Vec<_> = surface
+                .refine_quads(level - u32::from(surface.is_split()))
+                .collect();
+            let got = compare_with(surface, &found, |q| quads[q as usize].clone());
+            let (distance, angle) = (got.distance, got.angle());
+            println!(
+                "gpu control points {name} {level}: {distance:.1e} of the model, {angle:.4} degrees"
+            );
+            let flat = flat_corners(surface);
+            got.check(&format!("{name} at level {level}"), flat..=flat);
+            assert!(angle <= 0.05, "{name} at level {level}: {angle} degrees");
+            run += 1;
+        }
+    }
+    println!("gpu control points: {run} cases");
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn software_is_refused_unless_allowed() {
     let said = String::from_utf8_lossy(&drawn.stderr);
     assert!(said.contains("levels [2]"), "{said}");
     // What it cannot draw it does not draw otherwise.
-    arguments.extend(["--surface", "cage"]);
+    arguments.extend(["--surface", "pn", "--displace-noise", "perlin"]);
     let refused = earmark(&arguments);
     assert_eq!(refused.status.code(), Some(6));
     let listed = earmark(&["info", "--gpu", "--json"]);

@@ -1,12 +1,14 @@
 //! What is not drawn and says why, limits, and devices that have less.
 
 use crate::pictures::{check, draw};
-use crate::{asset, colored, gpu, gpu_with, plain, torus, uniform};
-use earmark::frame::{Drawing, RenderError};
+use crate::{asset, gpu, gpu_with, plain, torus, uniform};
+use earmark::displace::{Displacement, Function, Shape};
+use earmark::frame::RenderError;
 use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene};
 use earmark::limits::LimitError;
 use earmark::patch::PatchKind;
-use earmark::shade::SurfaceMaterial;
+use earmark::scheme::Scheme;
+use earmark::shade::{Relief, SurfaceMaterial};
 use earmark::{Camera, Renderer, Scene, SurfaceOptions};
 
 /// What a scene is refused for.
@@ -31,23 +33,34 @@ fn what_is_not_drawn_is_refused() {
         let said = refused_as(&gpu, renderer, scene);
         assert!(said.contains(what), "{what}: {said}");
     };
-    renderer.drawing = Drawing::Cage;
-    refused(&renderer, &scene, "cages");
-    renderer.drawing = Drawing::Limit;
     renderer.aovs = vec![earmark::frame::Aov::Normal];
     refused(&renderer, &scene, "outputs beside the picture");
     renderer.aovs = Vec::new();
-    let mut opaque = scene.clone();
-    opaque.default_material = Some(SurfaceMaterial {
-        opacity_map: Some(0),
-        ..SurfaceMaterial::CLAY
-    });
-    refused(&renderer, &opaque, "opacity maps");
+    let by_rule = Displacement::vector(0.1, |_| [0.1, 0.0, 0.0]);
+    let mut ruled = scene.clone();
+    ruled.objects[0].surface.set_displacement(Some(by_rule));
+    refused(&renderer, &ruled, "rule of the caller's");
     let patches = SurfaceOptions {
         patches: PatchKind::Qas,
         ..SurfaceOptions::default()
     };
-    refused(&renderer, &colored(patches), "colours of vertices");
+    let mut patched = asset("creature", patches);
+    patched.default_material = Some(SurfaceMaterial {
+        relief: Some(Relief::Normals(0)),
+        ..SurfaceMaterial::CLAY
+    });
+    refused(&renderer, &patched, "maps on patches");
+    let noise = || Some(Displacement::function(Function::new(Shape::Perlin)));
+    patched.default_material = None;
+    patched.objects[0].surface.set_displacement(noise());
+    refused(&renderer, &patched, "displaced patches");
+    let butterfly = SurfaceOptions {
+        scheme: Some(Scheme::Butterfly),
+        ..SurfaceOptions::default()
+    };
+    let mut interpolating = asset("octahedron", butterfly);
+    interpolating.objects[0].surface.set_displacement(noise());
+    refused(&renderer, &interpolating, "interpolating surfaces");
     // A vertex of more faces than tables are made for.
     let n = 600_u32;
     let spoke = |k: u32| (k as f32 / (2 * n) as f32 * std::f32::consts::TAU).sin_cos();
@@ -85,7 +98,7 @@ fn what_is_not_drawn_is_refused() {
     };
     let refused = GpuScene::new(&tiny, &uniform(64, 64, 4), &scene, &Camera::default());
     assert!(matches!(refused, Err(GpuError::OutOfMemory { .. })));
-    println!("gpu refusals: 8 cases");
+    println!("gpu refusals: 9 cases");
 }
 
 /// Every kind of memory counts: what is drawn with just as much as it takes is not drawn with a little less.

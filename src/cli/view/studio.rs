@@ -4,7 +4,7 @@ use super::Arguments;
 use crate::cli::exit::Failure;
 use crate::cli::flags::RunningFlags;
 use crate::cli::job::{Job, Output, pool_of, print_text};
-use crate::cli::{draw, render};
+use crate::cli::{draw, gpu, render};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, FromArgMatches, Parser};
 use earmark::window::{Draft, Drawn, Flags, Loaded, Order, Shown, Start, Studio, Task, shell_line};
@@ -45,6 +45,8 @@ struct Draughtsman {
     job: Job,
     /// The flags that were read last, and what they say.
     read: Option<(Flags, render::Arguments)>,
+    /// The model of the last picture, of which something may be kept.
+    shown: Option<Arc<Shown>>,
 }
 
 /// The program's part of the window.
@@ -107,6 +109,7 @@ fn taken(drawing: &Mutex<Draughtsman>) -> MutexGuard<'_, Draughtsman> {
         let mut draughtsman = poisoned.into_inner();
         draughtsman.read = None;
         draughtsman.job.kept = None;
+        draughtsman.job.on_gpu = gpu::Kept::default();
         draughtsman
     })
 }
@@ -142,6 +145,7 @@ impl Viewer {
             drawing: Mutex::new(Draughtsman {
                 job: drawing,
                 read: None,
+                shown: None,
             }),
             cancelled: job.cancelled(),
             deadline,
@@ -261,7 +265,12 @@ impl Studio for Viewer {
 
     fn draw(&self, order: &Order) -> Result<Drawn, String> {
         guarded(|| {
-            let Draughtsman { job, read } = &mut *taken(&self.drawing);
+            let Draughtsman { job, read, shown } = &mut *taken(&self.drawing);
+            let is_same = |shown: &Arc<Shown>| Arc::ptr_eq(shown, &order.shown);
+            if !shown.as_ref().is_some_and(is_same) {
+                job.on_gpu = gpu::Kept::default();
+                *shown = Some(Arc::clone(&order.shown));
+            }
             let mut a = match read {
                 Some((flags, a)) if *flags == order.flags => a.clone(),
                 _ => {
@@ -324,6 +333,7 @@ mod tests {
         let drawing = Mutex::new(Draughtsman {
             job: Job::new(Instant::now(), &RunningFlags::default()).unwrap(),
             read: None,
+            shown: None,
         });
         let a = Reader::try_parse_from(["a.obj", "-o", "a.png"]).unwrap();
         let ended = guarded(|| -> Result<(), String> {

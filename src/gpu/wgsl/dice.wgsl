@@ -17,14 +17,16 @@
 // Texture coordinates, at the same places as points.
 @group(0) @binding(10) var<storage, read_write> uvs: array<vec2<f32>>;
 
+// What displaces, what spots take from elsewhere, and the heights of all maps.
+@group(0) @binding(12) var<uniform> rise: Rise;
+@group(0) @binding(13) var<storage, read> lifts: array<Lift>;
+@group(0) @binding(14) var<storage, read> heights: array<f32>;
+
+// What tilts normals, two vectors at each of the same places.
+@group(0) @binding(15) var<storage, read_write> tangents: array<f32>;
+
 // Colours, at the same places.
 @group(0) @binding(11) var<storage, read_write> colors: array<f32>;
-
-struct Jet {
-    p: vec3<f32>,
-    du: vec3<f32>,
-    dv: vec3<f32>,
-}
 
 fn control_point(k: u32) -> vec3<f32> {
     return vec3<f32>(control[3u * k], control[3u * k + 1u], control[3u * k + 2u]);
@@ -35,13 +37,18 @@ fn control_point(k: u32) -> vec3<f32> {
 fn evaluate(stencil: u32, index: u32) -> Jet {
     let s = stencils[stencil];
     let origin = control_point(gathers[s.gather]);
-    var jet = Jet(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
+    var jet = Jet(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
     for (var k = 1u; k < s.count; k++) {
         let q = control_point(gathers[s.gather + k]) - origin;
-        let w = 3u * (s.table + k * s.stride + index);
+        let w = chunk.width * (s.table + k * s.stride + index);
         jet.p += weights[w] * q;
         jet.du += weights[w + 1u] * q;
         jet.dv += weights[w + 2u] * q;
+        if LIFTED && chunk.width == 6u {
+            jet.duu += weights[w + 3u] * q;
+            jet.duv += weights[w + 4u] * q;
+            jet.dvv += weights[w + 5u] * q;
+        }
     }
     jet.p += origin;
     return jet;
@@ -89,12 +96,60 @@ fn sides(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         return;
     }
     let spot = spots[at];
+    if chunk.patches == PN {
+        let p = pn_spot(spot.stencil, spot.index).p;
+        put(at, p, pn_spot(spot.normal_stencil, spot.normal_index).n);
+        return;
+    }
     let jet = evaluate(spot.stencil, spot.index);
     var n = normal(jet);
-    if spot.normal_stencil != spot.stencil || spot.normal_index != spot.index {
+    if spot.normal_index == NONE {
+        n = control_point(spot.normal_stencil);
+    } else if spot.normal_stencil != spot.stencil || spot.normal_index != spot.index {
         n = normal(evaluate(spot.normal_stencil, spot.normal_index));
     }
-    put(at, jet.p, n);
+    if !LIFTED || rise.shape == STILL || lifts[at].held != 0u {
+        put(at, jet.p, n);
+    } else {
+        put_lifted(at, spot, jet.p, n);
+    }
+}
+
+// A spot of a displaced surface, from its limit point and normal.
+fn put_lifted(at: u32, spot: Spot, p: vec3<f32>, n: vec3<f32>) {
+    let lift = lifts[at];
+    var direction = n;
+    if lift.mitre_count > 0u {
+        var sum = vec3<f32>(0.0);
+        var first = vec3<f32>(0.0);
+        var count = 0.0;
+        for (var k = 0u; k < lift.mitre_count; k++) {
+            let m = normal(evaluate(gathers[lift.mitre + 2u * k], gathers[lift.mitre + 2u * k + 1u]));
+            if all(m == vec3<f32>(0.0)) {
+                continue;
+            }
+            if count == 0.0 {
+                first = m;
+            }
+            sum += m;
+            count += 1.0;
+        }
+        direction = mitre(sum, count, first);
+    }
+    let uv = uv_at(lift.uv_gather, lift.uv_count, lift.uv_table, stencils[spot.stencil].stride, spot.index);
+    let s = height_at(p, uv.uv);
+    let own = evaluate(spot.normal_stencil, spot.normal_index);
+    let own_uv = uv_at(lift.own_gather, lift.own_count, lift.own_table, stencils[spot.normal_stencil].stride, spot.normal_index);
+    var by = s.by;
+    if rise.shape == MAP {
+        by = map_slopes(own_uv.uv);
+    }
+    put(at, p + direction * s.h, lifted_normal(own, n, s.h, slopes_of(own, by, own_uv)));
+}
+
+// Under slopes by pixel, normals are those of the limit.
+fn lifted_normal(jet: Jet, n: vec3<f32>, height: f32, slope: vec2<f32>) -> vec3<f32> {
+    return select(displaced_normal(jet, n, height, slope), n, rise.per_pixel != 0u);
 }
 
 // The spot that a place of a face is, on its side `c` at `k` of `n`.
@@ -190,23 +245,86 @@ fn patch_at(face: Face, x: u32, y: u32, n: u32) -> Sample {
     return quadratic(low, middle, high, shares(v));
 }
 
-// Each face's own: no others need agree.
-fn texture_coordinates(face: Face, place: u32) -> vec2<f32> {
-    var uv = vec2<f32>(0.0);
-    for (var k = 0u; k < face.uv_count; k++) {
-        let at = gathers[face.uv_gather + k];
-        uv += weights[face.uv_table + k * face.row * face.row + place] * vec2<f32>(control[at], control[at + 1u]);
+// A weighted sum of vectors among control points.
+fn blend(first: u32, w: vec3<f32>) -> vec3<f32> {
+    return (control_point(first) * w.x + control_point(first + 1u) * w.y) + control_point(first + 2u) * w.z;
+}
+
+// A curved PN triangle at a place of its quad, as src/patch/face.rs has it: after its ten points come six normals and barycentric coordinates
+// of three corners.
+fn pn_at(quad: u32, x: u32, y: u32, n: u32) -> Sample {
+    let net = select(quad, quad + PN_HALF, y > x);
+    let far = f32(max(x, y)) / f32(n);
+    let near = f32(min(x, y)) / f32(n);
+    let corners = net + PN_HALF - 3u;
+    let w = control_point(corners) * (1.0 - far)
+        + (control_point(corners + 1u) * (far - near) + control_point(corners + 2u) * near);
+    let next = w.yzx;
+    let squares = w * w;
+    let products = 2.0 * (w * next);
+    // On each side the two control points near its first and its second end.
+    let first = 3.0 * (squares * next);
+    let second = 3.0 * (next * next * w);
+    let sides = ((control_point(net + 3u) * first.x + control_point(net + 4u) * second.x)
+        + (control_point(net + 5u) * first.y + control_point(net + 6u) * second.y))
+        + (control_point(net + 7u) * first.z + control_point(net + 8u) * second.z);
+    let p = (blend(net, squares * w) + sides) + control_point(net + 9u) * (6.0 * (w.x * w.y * w.z));
+    let normals = net + 10u;
+    var m = blend(normals, squares) + blend(normals + 3u, products);
+    let size = dot(m, m);
+    if !(size > 1e-12 && size < 3.4e38) {
+        m = blend(normals, w);
     }
-    return uv;
+    m = normalize_or_zero(m);
+    return Sample(p, select(m, vec3<f32>(0.0, 0.0, 1.0), all(m == vec3<f32>(0.0))));
+}
+
+fn pn_spot(quad: u32, place: u32) -> Sample {
+    let mask = (1u << PLACE_BITS) - 1u;
+    return pn_at(quad, place & mask, (place >> PLACE_BITS) & mask, 1u << (place >> (2u * PLACE_BITS)));
+}
+
+fn uv_at(gather: u32, count: u32, table: u32, stride: u32, place: u32) -> UvJet {
+    var out = UvJet(vec2<f32>(0.0), vec2<f32>(0.0), vec2<f32>(0.0));
+    for (var k = 0u; k < count; k++) {
+        let at = gathers[gather + k];
+        let value = vec2<f32>(control[at], control[at + 1u]);
+        let w = table + chunk.uv_width * (k * stride + place);
+        out.uv += weights[w] * value;
+        if (LIFTED || TILTED) && chunk.uv_width == 3u {
+            out.by_u += weights[w + 1u] * value;
+            out.by_v += weights[w + 2u] * value;
+        }
+    }
+    return out;
+}
+
+// Each face's own: no others need agree.
+fn texture_coordinates(face: Face, place: u32) -> UvJet {
+    return uv_at(face.uv_gather, face.uv_count, face.uv_table, face.row * face.row, place);
+}
+
+fn put_tangents(at: u32, jet: Jet, uv: UvJet) {
+    var t = by_uv(jet, uv);
+    if LIFTED && rise.per_pixel != 0u {
+        t = tilts_of(jet, normal(jet), map_height(uv.uv), uv);
+    }
+    let k = 6u * at;
+    tangents[k] = t.first.x;
+    tangents[k + 1u] = t.first.y;
+    tangents[k + 2u] = t.first.z;
+    tangents[k + 3u] = t.second.x;
+    tangents[k + 4u] = t.second.y;
+    tangents[k + 5u] = t.second.z;
 }
 
 // Colours of vertices go by the weights of points.
 fn color(face: Face, place: u32) -> vec3<f32> {
-    let s = stencils[face.stencil];
+    let s = stencils[face.color_stencil];
     var c = vec3<f32>(0.0);
     for (var k = 0u; k < s.count; k++) {
         let at = face.colors + 3u * gathers[s.gather + k];
-        c += weights[3u * (s.table + k * s.stride + place)] * vec3<f32>(control[at], control[at + 1u], control[at + 2u]);
+        c += weights[chunk.width * (s.table + k * s.stride + place)] * vec3<f32>(control[at], control[at + 1u], control[at + 2u]);
     }
     return c;
 }
@@ -235,8 +353,12 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             x = max(x, y);
         }
         let place = ((y << face.shift) * face.row) + (x << face.shift);
-        if face.uv_count > 0u {
-            uvs[block.base + at] = texture_coordinates(face, place);
+        let uv = texture_coordinates(face, place);
+        if chunk.textured != 0u && face.uv_count > 0u {
+            uvs[block.base + at] = uv.uv;
+            if TILTED && chunk.tangents != 0u {
+                put_tangents(block.base + at, evaluate(face.stencil, place), uv);
+            }
         }
         if face.colors > 0u {
             let c = color(face, place);
@@ -247,14 +369,23 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
         }
         let n = 1u << face.reach;
         let side_place = side_of(x, y, n);
-        if side_place.x != INSIDE && (side_place.y == 0u || chunk.patches == 0u) {
+        if side_place.x != INSIDE && (side_place.y == 0u || chunk.patches != QAS) {
             copy(on_side(face, side_place.x, side_place.y, n), block.base + at);
-        } else if chunk.patches != 0u {
+        } else if chunk.patches == PN {
+            let s = pn_at(face.middle, x, y, n);
+            put(block.base + at, s.p, s.n);
+        } else if chunk.patches == QAS {
             let s = patch_at(face, x, y, n);
             put(block.base + at, s.p, normalize_or_zero(s.n));
         } else {
             let jet = evaluate(face.stencil, place);
-            put(block.base + at, jet.p, normal(jet));
+            let m = normal(jet);
+            if !LIFTED || rise.shape == STILL {
+                put(block.base + at, jet.p, m);
+            } else {
+                let s = height_at(jet.p, uv.uv);
+                put(block.base + at, jet.p + m * s.h, lifted_normal(jet, m, s.h, slopes_of(jet, s.by, uv)));
+            }
         }
     }
 }

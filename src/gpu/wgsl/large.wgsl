@@ -5,6 +5,11 @@
 @group(0) @binding(2) var<storage, read> blocks: array<Block>;
 @group(0) @binding(3) var<storage, read> points: array<f32>;
 @group(0) @binding(5) var<storage, read> large: array<u32>;
+// What faces are cut out by.
+@group(0) @binding(6) var<storage, read> faces: array<Face>;
+@group(0) @binding(7) var<storage, read> materials: array<Material>;
+@group(0) @binding(8) var<storage, read> uvs: array<vec2<f32>>;
+@group(0) @binding(9) var<storage, read> textures: array<u32>;
 
 // Extents, 1/256 pixel, up to which edge values fit 32 bits.
 const NARROW_EXTENT = 16383;
@@ -57,7 +62,9 @@ fn triangle(a: Vertex, m: Vertex, c: Vertex, id: u32, lane: u32) {
                 sizes = vec3<f32>(wide_size(v0), wide_size(v1), wide_size(v2));
             }
             let depth = ((sizes.y * a.depth + sizes.z * m.depth) + sizes.x * c.depth) * inverse;
-            put_key(pixel * frame.samples + s, depth, id, chunk.phase);
+            if shows(id, p) {
+                put_key(pixel * frame.samples + s, depth, id, chunk.phase);
+            }
         }
     }
 }
@@ -66,19 +73,15 @@ fn edge(d: vec2<i32>, a: vec2<i32>, p: vec2<i32>) -> i32 {
     return d.x * (p.y - a.y) - d.y * (p.x - a.x);
 }
 
-fn point(at: u32) -> vec3<f32> {
-    return vec3<f32>(points[POINT_FLOATS * at], points[POINT_FLOATS * at + 1u], points[POINT_FLOATS * at + 2u]);
-}
-
 fn draw(a: u32, m: u32, c: u32, id: u32, lane: u32) {
-    let va = project(point(a));
-    let vm = project(point(m));
-    let vc = project(point(c));
+    let va = project(position(a));
+    let vm = project(position(m));
+    let vc = project(position(c));
     if va.depth != 0.0 && vm.depth != 0.0 && vc.depth != 0.0 {
         triangle(va, vm, vc, id, lane);
         return;
     }
-    clip_triangle(homogeneous(point(a)), homogeneous(point(m)), homogeneous(point(c)));
+    clip_triangle(homogeneous(position(a)), homogeneous(position(m)), homogeneous(position(c)));
     for (var k = 2u; k < polygon_len; k++) {
         triangle(clip_vertex(polygon[0]), clip_vertex(polygon[k - 1u]), clip_vertex(polygon[k]), id, lane);
     }

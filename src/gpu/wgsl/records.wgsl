@@ -43,7 +43,43 @@ struct Chunk {
     triangles: u32,
     large: u32,
     patches: u32,
-    padding: u32,
+    width: u32,
+    uv_width: u32,
+    textured: u32,
+    tangents: u32,
+    cut: u32,
+}
+
+struct Rise {
+    center: vec4<f32>,
+    shape: u32,
+    first: u32,
+    width: u32,
+    height: u32,
+    scale: f32,
+    bias: f32,
+    frequency: f32,
+    lacunarity: f32,
+    gain: f32,
+    weight: f32,
+    time: f32,
+    octaves: u32,
+    seed: u32,
+    per_pixel: u32,
+    padding: vec2<u32>,
+}
+
+struct Lift {
+    uv_gather: u32,
+    uv_count: u32,
+    uv_table: u32,
+    held: u32,
+    own_gather: u32,
+    own_count: u32,
+    own_table: u32,
+    mitre: u32,
+    mitre_count: u32,
+    padding: array<u32, 3>,
 }
 
 struct Stencil {
@@ -75,6 +111,8 @@ struct Face {
     uv_table: u32,
     colors: u32,
     middle: u32,
+    color_stencil: u32,
+    padding: array<u32, 3>,
 }
 
 struct Block {
@@ -100,7 +138,9 @@ struct Move {
 struct Material {
     diffuse: vec4<f32>,
     map: u32,
-    padding: array<u32, 3>,
+    opacity_map: u32,
+    relief_map: u32,
+    bump: f32,
 }
 
 struct Step {

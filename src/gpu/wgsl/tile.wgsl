@@ -5,6 +5,11 @@
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(2) var<storage, read> blocks: array<Block>;
 @group(0) @binding(3) var<storage, read> points: array<f32>;
+// What faces are cut out by.
+@group(0) @binding(6) var<storage, read> faces: array<Face>;
+@group(0) @binding(7) var<storage, read> materials: array<Material>;
+@group(0) @binding(8) var<storage, read> uvs: array<vec2<f32>>;
+@group(0) @binding(9) var<storage, read> textures: array<u32>;
 // Their number, then a quad each: block of the chunk, row and column.
 @group(0) @binding(5) var<storage, read_write> large: array<atomic<u32>>;
 
@@ -49,7 +54,9 @@ fn triangle(a: Vertex, m: Vertex, c: Vertex, id: u32) {
                 let w2 = f32(abs(v0));
                 let depth = ((w0 * a.depth + w1 * m.depth) + w2 * c.depth) * inverse;
                 let pixel = u32(y - i32(frame.band_start)) * frame.width + u32(x);
-                put_key(pixel * frame.samples + s, depth, id, chunk.phase);
+                if shows(id, vec2<i32>(px, py)) {
+                    put_key(pixel * frame.samples + s, depth, id, chunk.phase);
+                }
             }
         }
     }

@@ -42,7 +42,7 @@ pub(in crate::surface) fn linear_at(
     [at(0), at(1), 0.0]
 }
 
-pub(super) fn linear_derivatives(
+pub(in crate::surface) fn linear_derivatives(
     surface: &Surface,
     face: u32,
     triangle: bool,

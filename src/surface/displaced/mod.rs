@@ -12,6 +12,8 @@ mod sides;
 mod tangents;
 
 pub(super) use derivatives::linear_at;
+#[cfg(feature = "gpu")]
+pub(super) use derivatives::linear_derivatives;
 pub(crate) use owners::Displaced;
 
 use super::Surface;

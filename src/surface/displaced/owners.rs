@@ -4,7 +4,7 @@ use crate::displace::normal::unit;
 use crate::displace::{Displacement, mitre};
 use crate::math;
 use crate::surface::Surface;
-use crate::topology::NONE;
+use crate::topology::{NONE, Topology};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -44,22 +44,9 @@ impl Displaced {
             if fan.first == NONE || surface.linear || !cuts(fan.first) {
                 continue;
             }
-            let mut normals = Vec::new();
-            let (mut h, mut last) = (fan.first, NONE);
-            for _ in 0..fan.faces {
-                if cut.fan(h) != last
-                    && !(fan.closed && Some(cut.fan(h)) == normals.first().map(|n: &(u32, _)| n.0))
-                {
-                    normals.push((cut.fan(h), surface.fan_limit(cut.fan(h)).1));
-                }
-                last = cut.fan(h);
-                h = whole.rotate(h);
-                if h == NONE {
-                    break;
-                }
-            }
-            let normals: Vec<[f32; 3]> = normals.into_iter().map(|n| n.1).collect();
-            directions.insert(v, mitre(&normals));
+            let fans = sectors(whole, cut, v);
+            let normals = fans.iter().map(|&fan| surface.fan_limit(fan).1);
+            directions.insert(v, mitre(&normals.collect::<Vec<_>>()));
         }
         let most = displacement.most();
         // Mitres.
@@ -76,6 +63,25 @@ impl Displaced {
             directions,
         }
     }
+}
+
+/// The fans between creases around fan `v` of the whole mesh, in order.
+fn sectors(whole: &Topology, cut: &Topology, v: u32) -> Vec<u32> {
+    let fan = &whole.fans()[v as usize];
+    let mut out: Vec<u32> = Vec::new();
+    let (mut h, mut last) = (fan.first, NONE);
+    for _ in 0..fan.faces {
+        let own = cut.fan(h);
+        if own != last && !(fan.closed && Some(&own) == out.first()) {
+            out.push(own);
+        }
+        last = own;
+        h = whole.rotate(h);
+        if h == NONE {
+            break;
+        }
+    }
+    out
 }
 
 /// Directions of the vertices of a bilinear surface, where every edge is a crease: mitres of their faces' normals.
@@ -123,6 +129,53 @@ impl Surface {
     #[must_use]
     pub fn displacement_reach(&self) -> f32 {
         self.displaced.as_ref().map_or(0.0, |d| d.reach)
+    }
+
+    /// The half-edges whose corners have the normals that the direction of corner `h` is the mitre of: where that is not its own normal.
+    /// None where nothing moves.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn mitred_corner(&self, h: u32) -> Option<Vec<u32>> {
+        let on = self.displaced.as_ref()?;
+        let (whole, cut) = (self.whole_quads(), self.quads());
+        let v = whole.fan(h);
+        if on.held_vertices.contains(&whole.vertex(h)) {
+            return None;
+        }
+        if !on.directions.contains_key(&v) {
+            return Some(Vec::new());
+        }
+        if !self.linear {
+            let first = |fan: u32| cut.fans()[fan as usize].first;
+            return Some(sectors(whole, cut, v).into_iter().map(first).collect());
+        }
+        let fan = &whole.fans()[v as usize];
+        let mut out = Vec::new();
+        let mut h = fan.first;
+        for _ in 0..fan.faces {
+            out.push(h);
+            h = whole.rotate(h);
+            if h == NONE {
+                break;
+            }
+        }
+        Some(out)
+    }
+
+    /// The same of the side that is half-edge `h`: both half-edges of its edge at creases.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn mitred_side(&self, h: u32) -> Option<Vec<u32>> {
+        let on = self.displaced.as_ref()?;
+        let (whole, cut) = (self.whole_quads(), self.quads());
+        let edge = whole.edge(h);
+        if on.held_edges.contains(&edge) {
+            return None;
+        }
+        let is_crease = whole.twin(h) != NONE && (self.linear || cut.twin(h) == NONE);
+        let first = whole.edge_half(edge);
+        Some(match is_crease {
+            true => vec![first, whole.twin(first)],
+            false => Vec::new(),
+        })
     }
 
     /// Makes what depends on the points again.

@@ -1,0 +1,272 @@
+//! What a face reads of its chunk: the spots of its corners and sides, its stencils and tables. Each is listed once per chunk.
+
+use super::chunk::{ALIGNED, Builder, ChunkData};
+use super::dicer::{Dicer, FaceTable, Owners, Shown};
+use super::error::GpuError;
+use super::records::{Face, Spot, Stencil};
+use super::tables::{Table, rim_index};
+use super::wgsl::pn_place;
+use std::collections::HashMap;
+
+impl ChunkData {
+    /// Adds the stencil of a quad, with its table unless that is there: `tables` says where they begin.
+    fn add_stencil(
+        &mut self,
+        dicer: &Dicer<'_>,
+        quad: u32,
+        of: FaceTable<'_, Table>,
+        is_rim: bool,
+        tables: &mut HashMap<u32, u32>,
+    ) -> u32 {
+        let table = of.table;
+        let sub = dicer.sub(quad);
+        let (of_table, offset, stride) = match is_rim {
+            true => (&table.rim, table.rim_offset(sub), table.rim_stride),
+            false => (&table.weights, table.offset(sub), table.stride()),
+        };
+        let weights = &mut self.weights;
+        let base = *tables.entry(of.number).or_insert_with(|| {
+            let base = weights.len() as u32 / table.width;
+            weights.extend_from_slice(of_table);
+            weights.resize(weights.len().next_multiple_of(ALIGNED as usize), 0.0);
+            base
+        });
+        let next = self.stencils.len() as u32;
+        self.stencils.push(Stencil {
+            gather: self.gathers.len() as u32,
+            count: table.columns.len() as u32,
+            table: base + offset,
+            stride,
+        });
+        let own = table.columns.iter();
+        let own = own.map(|&k| of.places.vertices[k as usize] + dicer.first_point);
+        self.gathers.extend(own);
+        next
+    }
+}
+
+impl Builder {
+    /// What is diced of a quad whose blocks' places are given in `reach`.
+    pub(super) fn face(
+        &mut self,
+        dicer: &Dicer<'_>,
+        quad: u32,
+        reach: u32,
+    ) -> Result<Face, GpuError> {
+        let whole = dicer.surface.whole_quads();
+        let (mut corners, mut sides, mut turns) = ([0; 4], [0; 4], 0);
+        for (c, h) in whole.face_halves(quad).enumerate() {
+            corners[c] = self.corner(dicer, h)?;
+            let owners = dicer.side_owners(h);
+            let level = dicer.side_level(h)?;
+            sides[c] = self.side(dicer, h, owners, level)?;
+            let turned = |owner: u32| owner != h && whole.vertex(owner) != whole.vertex(h);
+            let finer = match dicer.shown {
+                Shown::Qas => 0,
+                Shown::Points | Shown::Pn | Shown::Polygons => finer(level, reach)?,
+            };
+            let ways =
+                u32::from(turned(owners.normal)) << 7 | u32::from(turned(owners.position)) << 6;
+            turns |= (finer | ways) << (8 * c);
+        }
+        let cage_face = dicer.surface.cage_face(quad);
+        let level = match dicer.shown.is_patches() {
+            true => (dicer.drawn_levels.get(&cage_face).copied()).ok_or(GpuError::Missing {
+                what: "level of a face",
+            })?,
+            false => dicer.table(quad)?.table.level,
+        };
+        let middle = self.middle(dicer, quad)?;
+        let [uv_gather, uv_count, uv_table] = self.uv_stencil(dicer, quad, false);
+        let stencil = match dicer.shown {
+            Shown::Pn => 0,
+            _ => self.stencil(dicer, quad)?,
+        };
+        Ok(Face {
+            corners,
+            sides,
+            turns,
+            stencil,
+            row: (1 << level) + 1,
+            shift: finer(level, reach)?,
+            reach,
+            number: dicer.first_face + cage_face,
+            // The last material is that of faces without one.
+            material: dicer.object.material(cage_face),
+            uv_gather,
+            uv_count,
+            uv_table,
+            colors: dicer.colors,
+            middle,
+            color_stencil: self.color_stencil(dicer, quad).unwrap_or(stencil),
+            padding: [0; 3],
+        })
+    }
+
+    /// What patches have of their own: the spot in the middle of a quad, or where control points stand.
+    fn middle(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
+        if dicer.shown == Shown::Pn {
+            return Ok(dicer.net(quad));
+        }
+        if dicer.shown != Shown::Qas || dicer.surface.is_triangular() {
+            return Ok(0);
+        }
+        // In the middle of three rows of three.
+        let (stencil, index) = (self.stencil(dicer, quad)?, 4);
+        self.data.spots.push(Spot {
+            stencil,
+            index,
+            normal_stencil: stencil,
+            normal_index: index,
+        });
+        Ok(self.data.spots.len() as u32 - 1)
+    }
+
+    /// First gather, count and first weight of a quad's texture coordinates, or of those on its sides alone; zeros without.
+    pub(super) fn uv_stencil(&mut self, dicer: &Dicer<'_>, quad: u32, is_rim: bool) -> [u32; 3] {
+        let Some(of) = dicer.uv_table(quad) else {
+            return [0; 3];
+        };
+        if let Some(&found) = self.uv_stencils.get(&(quad, is_rim)) {
+            return found;
+        }
+        let (number, table) = (of.number, of.table);
+        let sub = dicer.sub(quad);
+        let (tables, of_table, offset) = match is_rim {
+            true => (&mut self.uv_rims, &table.rim, table.rim_offset(sub)),
+            false => (&mut self.uv_tables, &table.weights, table.offset(sub)),
+        };
+        let weights = &mut self.data.weights;
+        let base = *tables.entry(number).or_insert_with(|| {
+            let base = weights.len() as u32;
+            weights.extend_from_slice(of_table);
+            weights.resize(weights.len().next_multiple_of(ALIGNED as usize), 0.0);
+            base
+        });
+        let gather = self.data.gathers.len() as u32;
+        let own = of.places.uvs.iter().map(|&k| dicer.first_uv + 2 * k);
+        self.data.gathers.extend(own);
+        let found = [gather, table.count, base + offset];
+        self.uv_stencils.insert((quad, is_rim), found);
+        found
+    }
+
+    fn stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
+        if let Some(&found) = self.stencils.get(&quad) {
+            return Ok(found);
+        }
+        let next =
+            (self.data).add_stencil(dicer, quad, dicer.table(quad)?, false, &mut self.tables);
+        self.stencils.insert(quad, next);
+        Ok(next)
+    }
+
+    /// The stencil of a quad's sides alone.
+    fn rim_stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
+        if let Some(&found) = self.rim_stencils.get(&quad) {
+            return Ok(found);
+        }
+        let next =
+            (self.data).add_stencil(dicer, quad, dicer.table(quad)?, true, &mut self.rim_tables);
+        self.rim_stencils.insert(quad, next);
+        Ok(next)
+    }
+
+    /// The stencil of a quad's colours, where it is one of its own.
+    fn color_stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> Option<u32> {
+        let of = dicer.color_table(quad)?;
+        if let Some(&found) = self.color_stencils.get(&quad) {
+            return Some(found);
+        }
+        let next = (self.data).add_stencil(dicer, quad, of, false, &mut self.color_tables);
+        self.color_stencils.insert(quad, next);
+        Some(next)
+    }
+
+    /// Stencil and point of a place of a quad, given on the grid of `level`.
+    ///
+    /// Places are on sides: whoever shares them needs no more of another face.
+    pub(super) fn place(
+        &mut self,
+        dicer: &Dicer<'_>,
+        quad: u32,
+        [x, y]: [u32; 2],
+        level: u32,
+    ) -> Result<[u32; 2], GpuError> {
+        if dicer.shown == Shown::Pn {
+            return Ok([dicer.net(quad), pn_place([x, y], level)]);
+        }
+        let deep = dicer.table(quad)?.table.level;
+        let up = finer(deep, level)?;
+        let triangles = dicer.surface.is_triangular();
+        let index = rim_index([x << up, y << up], 1 << deep, triangles);
+        Ok([self.rim_stencil(dicer, quad)?, index])
+    }
+
+    fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> Result<u32, GpuError> {
+        let owners = dicer.corner_owners(h);
+        if let Some(&found) = self.corners.get(&owners.normal) {
+            return Ok(found);
+        }
+        let count = dicer.corner_count();
+        let mut of = |h: u32| {
+            let at = dicer.along(h % count, 0, 1);
+            self.place(dicer, h / count, at, 0)
+        };
+        let (p, n) = (of(owners.position)?, of(owners.normal)?);
+        let at = self.data.spots.len() as u32;
+        self.data.spots.push(Spot {
+            stencil: p[0],
+            index: p[1],
+            normal_stencil: n[0],
+            normal_index: n[1],
+        });
+        if dicer.is_displaced() {
+            self.lift_corner(dicer, h, owners)?;
+        }
+        self.corners.insert(owners.normal, at);
+        Ok(at)
+    }
+
+    fn side(
+        &mut self,
+        dicer: &Dicer<'_>,
+        h: u32,
+        owners: Owners,
+        level: u32,
+    ) -> Result<u32, GpuError> {
+        if let Some(&found) = self.sides.get(&owners.normal) {
+            return Ok(found);
+        }
+        let (count, n) = (dicer.corner_count(), 1_u32 << level);
+        let whole = dicer.surface.whole_quads();
+        let same = owners.position == owners.normal
+            || whole.vertex(owners.position) == whole.vertex(owners.normal);
+        let first = self.data.spots.len() as u32;
+        for k in 1..n {
+            let turned = if same { k } else { n - k };
+            let at = dicer.along(owners.position % count, turned, n);
+            let p = self.place(dicer, owners.position / count, at, level)?;
+            let at = dicer.along(owners.normal % count, k, n);
+            let own = self.place(dicer, owners.normal / count, at, level)?;
+            self.data.spots.push(Spot {
+                stencil: p[0],
+                index: p[1],
+                normal_stencil: own[0],
+                normal_index: own[1],
+            });
+            if dicer.is_displaced() {
+                self.lift_side(dicer, h, owners, [turned, level])?;
+            }
+        }
+        self.sides.insert(owners.normal, first);
+        Ok(first)
+    }
+}
+
+/// By how many levels `deep` is finer than `level`.
+fn finer(deep: u32, level: u32) -> Result<u32, GpuError> {
+    deep.checked_sub(level).ok_or(GpuError::Missing {
+        what: "table as fine as its face",
+    })
+}

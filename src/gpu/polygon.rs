@@ -1,0 +1,154 @@
+//! The polygons of a cage as blocks of one micro-quad: their corners are control points as they are, and what is given there.
+
+use super::chunk::{Builder, NamedBlock};
+use super::dicer::Dicer;
+use super::plan::PlannedBlock;
+use super::records::{Block, Face, POINT_FLOATS, Spot, Stencil};
+use crate::topology::NONE;
+
+/// Corner of a quad at each place of a block, row by row.
+const CORNERS: [usize; 4] = [0, 1, 3, 2];
+
+/// Words of a table that gives each place its corner: by corner and place, in triples.
+const TABLE: usize = 3 * 4 * 4;
+
+impl Builder {
+    /// Bytes of points, weights and gathers with the blocks of one more face: no less than what they take.
+    pub(super) fn polygon_bytes(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> [u64; 3] {
+        let corners = dicer.surface.cage().face(blocks[0].quad as usize).len();
+        // Blocks have four points and four corners at most, each with a gather, one for its colour and one for its texture coordinates.
+        let points = u64::from(self.data.points()) + (4 * blocks.len() + corners) as u64;
+        let weights = self.data.weights.len() + (blocks.len().min(16) + 1) * (TABLE + 6);
+        let gathers = self.data.gathers.len() + corners + 8 * blocks.len();
+        [
+            points * 4 * u64::from(POINT_FLOATS),
+            4 * weights as u64,
+            4 * gathers as u64,
+        ]
+    }
+
+    /// Adds the blocks of a face of the cage.
+    pub(super) fn add_polygon(&mut self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) {
+        let cage = dicer.surface.cage();
+        let face = blocks[0].quad as usize;
+        let first = cage.face_offsets()[face];
+        let corners = cage.face(face).len() as u32;
+        let spots = self.data.spots.len() as u32;
+        for corner in first..first + corners {
+            let spot = self.polygon_corner(dicer, corner);
+            self.data.spots.push(spot);
+        }
+        for b in blocks {
+            let k = b.start[0];
+            let of = match corners {
+                4 => [0, 1, 2, 3],
+                // Triangles repeat their last corner.
+                _ => [0, k + 1, k + 2, k + 2],
+            };
+            let own = self.polygon(dicer, face as u32, spots, of.map(|k| first + k));
+            let number = self.data.faces.len() as u32;
+            self.data.faces.push(Face {
+                corners: of.map(|k| spots + k),
+                ..own
+            });
+            self.data.named.push(NamedBlock {
+                quad: b.quad,
+                start: b.start,
+                log: 0,
+                base: self.data.block_points,
+            });
+            self.data.blocks.push(Block {
+                face: number,
+                step: 1,
+                base: self.data.block_points,
+                level: b.shown,
+                ..Block::default()
+            });
+            self.data.block_points += 4;
+            self.data.quads += 1;
+        }
+    }
+
+    /// A corner of the cage: its point as it is, and the normal that is given there.
+    fn polygon_corner(&mut self, dicer: &Dicer<'_>, corner: u32) -> Spot {
+        let cage = dicer.surface.cage();
+        let vertex = cage.corner_vertices()[corner as usize];
+        let data = &mut self.data;
+        let stencil = *self.stencils.entry(vertex).or_insert_with(|| {
+            data.stencils.push(Stencil {
+                gather: data.gathers.len() as u32,
+                count: 1,
+                table: 0,
+                stride: 0,
+            });
+            data.gathers.push(dicer.first_point + vertex);
+            data.stencils.len() as u32 - 1
+        });
+        let given = cage.corner_normals().get(corner as usize).copied();
+        // Points have no derivatives, and so no normal of their own.
+        let (normal_stencil, normal_index) = match given.filter(|&n| n != NONE) {
+            Some(n) => (dicer.first_extra + n, NONE),
+            None => (stencil, 0),
+        };
+        Spot {
+            stencil,
+            index: 0,
+            normal_stencil,
+            normal_index,
+        }
+    }
+
+    /// A face of one micro-quad between these corners of the cage, but for its spots.
+    fn polygon(&mut self, dicer: &Dicer<'_>, face: u32, stencil: u32, corners: [u32; 4]) -> Face {
+        let cage = dicer.surface.cage();
+        let mut out = Face {
+            stencil,
+            row: 2,
+            number: dicer.first_face + face,
+            material: dicer.object.material(face),
+            colors: dicer.colors,
+            ..Face::default()
+        };
+        if dicer.colors > 0 {
+            let table = self.polygon_table(3, [true; 4]) / 3;
+            let data = &mut self.data;
+            out.color_stencil = data.stencils.len() as u32;
+            data.stencils.push(Stencil {
+                gather: data.gathers.len() as u32,
+                count: 4,
+                table,
+                stride: 4,
+            });
+            let own = corners.map(|c| dicer.first_point + cage.corner_vertices()[c as usize]);
+            data.gathers.extend(own);
+        }
+        if dicer.look.textured {
+            let own = corners.map(|c| cage.corner_uvs()[c as usize]);
+            out.uv_table = self.polygon_table(1, own.map(|uv| uv != NONE));
+            out.uv_gather = self.data.gathers.len() as u32;
+            out.uv_count = 4;
+            // What is missing has no weight.
+            let own = own.map(|uv| if uv == NONE { 0 } else { uv });
+            let own = own.map(|uv| dicer.first_uv + 2 * uv);
+            self.data.gathers.extend(own);
+        }
+        out
+    }
+
+    /// Where a table begins whose values, the first of `width`, give each place its corner, but for corners that are missing.
+    fn polygon_table(&mut self, width: usize, there: [bool; 4]) -> u32 {
+        let bits = (0..4).map(|c| u32::from(there[c]) << c).sum::<u32>();
+        let weights = &mut self.data.weights;
+        let key = bits | (width as u32) << 4;
+        *self.uv_tables.entry(key).or_insert_with(|| {
+            let base = weights.len();
+            weights.resize((base + 16 * width).next_multiple_of(6), 0.0);
+            for (place, &corner) in CORNERS.iter().enumerate() {
+                if there[corner] {
+                    weights[base + (corner * 4 + place) * width] = 1.0;
+                }
+            }
+            base as u32
+        })
+    }
+}

@@ -1,0 +1,164 @@
+//! A scene on its way to a device: what is drawn of it, and the numbers of all objects one after the other.
+
+use super::chunk::{ChunkData, chunks};
+use super::dicer::{Dicer, Firsts, Look};
+use super::error::GpuError;
+use super::further::Further;
+use super::plan::plan;
+use super::records::Rise;
+use super::stats::GpuStats;
+use super::view::Drawn;
+use crate::camera::View;
+use crate::displace::{Displacement, Source};
+use crate::frame::{Drawing, Object, Renderer, Scene};
+use crate::limits::Budget;
+use crate::load::surface_bytes;
+use crate::mesh::Cage;
+use crate::patch::PatchKind;
+use crate::shade::ShadeMode;
+use crate::surface::Surface;
+
+/// A scene that is ready to go to the device.
+pub(super) struct Ready {
+    pub(super) chunks: Vec<ChunkData>,
+    /// Control points of all objects.
+    pub(super) points: Vec<[f32; 3]>,
+    pub(super) further: Further,
+    /// Texels of all maps that displace.
+    pub(super) heights: Vec<f32>,
+    /// What stands behind all of these: texture coordinates, then colours.
+    pub(super) values: Vec<u32>,
+    pub(super) stats: GpuStats,
+}
+
+/// What an object is drawn with; texels of its map are appended to `heights`.
+fn look(
+    renderer: &Renderer,
+    scene: &Scene,
+    object: &Object,
+    wants_uvs: bool,
+    heights: &mut Vec<f32>,
+    budget: &mut Budget<'_>,
+) -> Result<Look, GpuError> {
+    let surface = &object.surface;
+    let is_cage = renderer.drawing == Drawing::Cage;
+    let displacement = surface.displacement().filter(|_| !is_cage);
+    if let Some(Source::Map(map)) = displacement.and_then(Displacement::source) {
+        // Kept here until they are on the device.
+        let bytes = 4 * map.texels().len() as u128;
+        budget.take("the heights of the GPU backend", bytes, 0)?;
+    }
+    let rise = Rise::of(displacement, heights).ok_or(GpuError::Missing {
+        what: "displacement of the device",
+    })?;
+    let textured = wants_uvs && surface.has_uvs();
+    let tilted = textured && !is_cage && (scene.has_relief() || object.is_shaded_by_map());
+    let by_map = displacement.is_some_and(Displacement::needs_uvs);
+    Ok(Look {
+        width: if displacement.is_some() { 6 } else { 3 },
+        uv_width: if tilted || by_map { 3 } else { 1 },
+        textured,
+        tilted,
+        cut: textured && scene.materials.iter().any(|m| m.opacity_map.is_some()),
+        rise,
+    })
+}
+
+impl Ready {
+    /// What `renderer` draws of `scene` where blocks are decided for `view`. `limit` is the size of the largest binding in bytes.
+    pub(super) fn of(
+        renderer: &Renderer,
+        scene: &Scene,
+        view: &View,
+        limit: u64,
+        budget: &mut Budget<'_>,
+    ) -> Result<(Self, Drawn), GpuError> {
+        let plan = plan(renderer, scene, view, budget)?;
+        let wants_uvs = renderer.mode == ShadeMode::Uv
+            || !scene.textures.is_empty()
+            || scene.objects.iter().any(Object::is_shaded_by_map);
+        let mut heights = Vec::new();
+        let cages = || scene.objects.iter().map(|o| o.surface.cage());
+        let extras = |s: &Surface| match (renderer.drawing, s.patch_kind()) {
+            (Drawing::Cage, _) => s.cage().normals().len(),
+            (Drawing::Limit, PatchKind::Pn) => s.quads().face_count() * s.pn_net_len() as usize,
+            _ => 0,
+        };
+        let surfaces = || scene.objects.iter().map(|o| &o.surface);
+        let own_points: usize = cages().map(|c| c.points().len()).sum();
+        let all_points = own_points + surfaces().map(extras).sum::<usize>();
+        // Those of PN triangles are kept, to be moved.
+        let patched: u128 = surfaces()
+            .filter(|s| extras(s) > 0 && s.patch_kind() == PatchKind::Pn)
+            .map(|s| surface_bytes(s.cage(), PatchKind::Pn))
+            .sum();
+        budget.take("the control points of the GPU backend", patched, 0)?;
+        let numbers = |c: &Cage| 2 * c.uvs().len() + 3 * c.colors().len();
+        let all_values: usize = cages().map(numbers).sum();
+        // Kept here, and put together for the device.
+        let bytes = 4 * (3 * all_points as u128 + all_values as u128);
+        budget.take("the control points of the GPU backend", 2 * bytes, bytes)?;
+        let uvs = cages().flat_map(|c| c.uvs().iter().flatten());
+        let mut values: Vec<u32> = uvs.map(|c| c.to_bits()).collect();
+        let mut first = Firsts {
+            extra: own_points as u32,
+            uv: 3 * all_points as u32,
+            color: (3 * all_points + values.len()) as u32,
+            ..Firsts::default()
+        };
+        let colors = cages().flat_map(|c| c.colors().iter().flatten());
+        values.extend(colors.map(|c| c.to_bits()));
+        let mut dicers = Vec::new();
+        let mut control_points = Vec::new();
+        for (object, plan) in scene.objects.iter().zip(&plan.objects) {
+            dicers.push(Dicer::new(
+                object,
+                plan,
+                first,
+                renderer.drawing,
+                look(renderer, scene, object, wants_uvs, &mut heights, budget)?,
+                budget,
+            )?);
+            let points = object.surface.control_base();
+            control_points.extend_from_slice(points);
+            let cage = object.surface.cage();
+            first.point += points.len() as u32;
+            first.extra += extras(&object.surface) as u32;
+            first.uv += 2 * cage.uvs().len() as u32;
+            first.color += 3 * cage.colors().len() as u32;
+            first.face += cage.face_count() as u32;
+        }
+        let further = match renderer.drawing {
+            Drawing::Cage => Further::Normals(cages().flat_map(Cage::normals).copied().collect()),
+            Drawing::Limit => Further::nets(scene),
+            Drawing::Refined => Further::default(),
+        };
+        let data = chunks(&dicers, &plan.objects, limit, budget)?;
+        let shapes: usize = dicers.iter().map(|d| d.tables.len()).sum();
+        drop(dicers);
+        let stats = GpuStats {
+            faces: scene.face_count() as u64,
+            microtriangles: plan.triangles,
+            levels: plan.levels,
+            shapes: shapes as u32,
+            ..GpuStats::default()
+        };
+        let drawn = Drawn {
+            size: renderer.size,
+            mode: renderer.mode,
+            background: renderer.background,
+            light_turn: renderer.light_turn,
+            id_bits: plan.id_bits,
+            tessellated: plan.tessellated,
+        };
+        let ready = Self {
+            chunks: data,
+            points: control_points,
+            further,
+            heights,
+            values,
+            stats,
+        };
+        Ok((ready, drawn))
+    }
+}

@@ -1,0 +1,129 @@
+//! Displacement as the device has it: what says heights, and what spots take from elsewhere.
+
+use super::chunk::Builder;
+use super::dicer::{Dicer, Owners};
+use super::error::GpuError;
+use super::records::{Lift, Rise};
+use super::wgsl::{MAP, NOISE, RIDGED, RIPPLES};
+use crate::displace::{Displacement, Shape, Source};
+
+impl Rise {
+    /// Of a displacement, whose map's texels are appended to `heights`. Nothing of a caller's rule.
+    pub(super) fn of(displacement: Option<&Displacement>, heights: &mut Vec<f32>) -> Option<Self> {
+        let Some(displacement) = displacement else {
+            return Some(Self::default());
+        };
+        let plain = Self {
+            scale: displacement.scale,
+            bias: displacement.bias,
+            ..Self::default()
+        };
+        Some(match displacement.source()? {
+            Source::Map(map) => {
+                let [width, height] = map.size();
+                let first = heights.len() as u32;
+                heights.extend_from_slice(map.texels());
+                Self {
+                    shape: MAP,
+                    first,
+                    width,
+                    height,
+                    per_pixel: u32::from(displacement.per_pixel),
+                    ..plain
+                }
+            }
+            Source::Function(f) => {
+                let [x, y, z] = f.center;
+                let [_, weight] = f.octaves().next().unwrap_or([0.0; 2]);
+                Self {
+                    center: [x, y, z, 0.0],
+                    shape: match f.shape {
+                        Shape::Perlin | Shape::Fbm => NOISE,
+                        Shape::Ridged => RIDGED,
+                        Shape::Ripples => RIPPLES,
+                    },
+                    frequency: f.frequency,
+                    lacunarity: f.lacunarity,
+                    gain: f.gain,
+                    weight,
+                    time: f.time,
+                    octaves: f.octaves().count() as u32,
+                    seed: f.seed,
+                    ..plain
+                }
+            }
+        })
+    }
+}
+
+impl Builder {
+    /// What the corner that half-edge `h` begins with takes from elsewhere, once its spot is there.
+    pub(super) fn lift_corner(
+        &mut self,
+        dicer: &Dicer<'_>,
+        h: u32,
+        owners: Owners,
+    ) -> Result<(), GpuError> {
+        let Some(mitred) = dicer.surface.mitred_corner(h) else {
+            self.lift(dicer, owners, None);
+            return Ok(());
+        };
+        let count = dicer.corner_count();
+        let mut places = Vec::new();
+        for h in mitred {
+            let at = dicer.along(h % count, 0, 1);
+            places.push(self.place(dicer, h / count, at, 0)?);
+        }
+        self.lift(dicer, owners, Some(&places));
+        Ok(())
+    }
+
+    /// The same of point `k` of the side `h` at `level`, as its positions' owner walks it; nothing of surfaces that are not displaced.
+    pub(super) fn lift_side(
+        &mut self,
+        dicer: &Dicer<'_>,
+        h: u32,
+        owners: Owners,
+        [k, level]: [u32; 2],
+    ) -> Result<(), GpuError> {
+        let Some(mitred) = dicer.surface.mitred_side(h) else {
+            self.lift(dicer, owners, None);
+            return Ok(());
+        };
+        let (count, n) = (dicer.corner_count(), 1 << level);
+        let mut places = Vec::new();
+        for h in mitred {
+            // Twins run the other way.
+            let k = if h == owners.position { k } else { n - k };
+            let at = dicer.along(h % count, k, n);
+            places.push(self.place(dicer, h / count, at, level)?);
+        }
+        self.lift(dicer, owners, Some(&places));
+        Ok(())
+    }
+
+    fn lift(&mut self, dicer: &Dicer<'_>, owners: Owners, mitre: Option<&[[u32; 2]]>) {
+        let count = dicer.corner_count();
+        let (mut uv, mut own) = ([0; 3], [0; 3]);
+        if dicer.lifts_by_uvs() {
+            uv = self.uv_stencil(dicer, owners.position / count, true);
+            own = self.uv_stencil(dicer, owners.normal / count, true);
+        }
+        let first = self.data.gathers.len() as u32;
+        let held = u32::from(mitre.is_none());
+        let mitre = mitre.unwrap_or_default();
+        self.data.gathers.extend(mitre.as_flattened());
+        self.data.lifts.push(Lift {
+            uv_gather: uv[0],
+            uv_count: uv[1],
+            uv_table: uv[2],
+            held,
+            own_gather: own[0],
+            own_count: own[1],
+            own_table: own[2],
+            mitre: first,
+            mitre_count: mitre.len() as u32,
+            padding: [0; 3],
+        });
+    }
+}

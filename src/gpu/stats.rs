@@ -1,0 +1,48 @@
+//! A finished picture of a device, and what it took.
+
+use crate::camera::View;
+use crate::film::Image;
+use std::time::Duration;
+
+/// What a picture took.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GpuStats {
+    /// Faces of the cages.
+    pub faces: u64,
+    /// Micro-triangles.
+    pub microtriangles: u64,
+    /// Level of each object; of adaptive ones, their deepest.
+    pub levels: Vec<u32>,
+    /// Pixels with something in them.
+    pub pixels_covered: u64,
+    /// Bytes written to the device for this picture: points that moved, and the view.
+    pub bytes_up: u64,
+    /// Bytes read back: the picture.
+    pub bytes_down: u64,
+    /// Buffers that were read back.
+    pub read_backs: u32,
+    /// Chunks of blocks.
+    pub chunks: u32,
+    /// Bands of rows that the picture was drawn in.
+    pub bands: u32,
+    /// Bytes of the scene on the device.
+    pub scene_bytes: u64,
+    /// Shapes of surroundings with a table of weights each.
+    pub shapes: u32,
+    /// Time on the device by stage, of all bands together; `dice` only where points moved. Empty unless asked for, or where the device
+    /// keeps no time or not as many times as there are bands.
+    pub stages: Vec<(&'static str, Duration)>,
+    /// Wall time from the first byte up to the last one down.
+    pub wall: Duration,
+}
+
+/// A finished picture.
+#[derive(Clone, Debug)]
+pub struct GpuFrame {
+    /// The picture.
+    pub image: Image,
+    /// What it took.
+    pub stats: GpuStats,
+    /// The view that the camera came to.
+    pub view: View,
+}
