@@ -28,6 +28,7 @@ mod walk;
 use crate::camera::{Camera, CameraError, View};
 use crate::film::{Film, Image};
 use crate::limits::{Budget, LimitError, Limits};
+use crate::patch::PatchKind;
 use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
 use crate::records::ScreenSize;
 use crate::shade::{LightRig, ShadeMode, Shader, SurfaceMaterial};
@@ -441,11 +442,7 @@ impl Renderer {
         if let Some(material) = scene.default_material {
             shader = shader.with_default_material(material);
         }
-        let is_flat = matches!(
-            self.refinement,
-            Refinement::Adaptive(_) | Refinement::Default { .. }
-        );
-        if is_flat && sources.iter().all(Source::is_flat) {
+        if self.is_flat(scene) {
             shader = shader.with_folds();
         }
         let mut frame = Frame {
@@ -508,6 +505,16 @@ impl Renderer {
         let decided_by = self.decided_by.as_ref().unwrap_or(view);
         let found = self.tessellations(scene, decided_by, &mut levels, budget)?;
         Ok((levels, found))
+    }
+
+    /// Whether all triangles are within a few degrees of their normals.
+    pub(crate) fn is_flat(&self, scene: &Scene) -> bool {
+        let is_flat = |surface: &Surface| {
+            let is_limit =
+                surface.patch_kind() == PatchKind::None && surface.displacement().is_none();
+            is_limit && matches!(self.refinement.of(surface), Refinement::Adaptive(_))
+        };
+        self.drawing == Drawing::Limit && scene.objects.iter().all(|o| is_flat(&o.surface))
     }
 
     fn check_size(&self) -> Result<(), RenderError> {

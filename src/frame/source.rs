@@ -9,7 +9,6 @@ use crate::dice::FacePatch;
 use crate::dice::face::{Part, Sides};
 use crate::limits::{Budget, LimitError};
 use crate::mesh::NONE;
-use crate::patch::PatchKind;
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
 use crate::surface::{QuadPatch, RefinedFans, Surface};
@@ -343,13 +342,6 @@ impl<'a> Source<'a> {
             }
             _ => (n.cols * n.rows) as u64,
         }
-    }
-
-    /// Whether it is cut until triangles are within a few degrees of their normals, if cut by flatness.
-    pub(super) fn is_flat(&self) -> bool {
-        let surface = &self.object.surface;
-        let is_limit = surface.patch_kind() == PatchKind::None && surface.displacement().is_none();
-        self.tessellation.is_some() && is_limit
     }
 
     /// Whether dicing a block costs more than drawing and shading it.

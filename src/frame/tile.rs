@@ -9,7 +9,6 @@ use super::aov::{self, TilePlanes};
 use super::cutout::{Layers, draw_cutout};
 use super::kept::Kept;
 use super::shading::{self, GROUPS, LitGroup, Pixels, footprints};
-use super::shading::{self, Pixels, footprints};
 use super::source::{Attributes, Source, SourceScratch};
 use super::spot::draw;
 use super::stats::{Stage, StageTimes};

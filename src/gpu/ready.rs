@@ -148,6 +148,7 @@ impl Ready {
             mode: renderer.mode,
             background: renderer.background,
             light_turn: renderer.light_turn,
+            has_folds: renderer.is_flat(scene),
             id_bits: plan.id_bits,
             tessellated: plan.tessellated,
         };

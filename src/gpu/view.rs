@@ -15,6 +15,8 @@ pub(super) struct Drawn {
     pub(super) background: [u8; 4],
     /// Degrees by which the lights are turned.
     pub(super) light_turn: f64,
+    /// Whether triangles that are folded over are lit by their normals.
+    pub(super) has_folds: bool,
     pub(super) id_bits: u32,
     /// Whether blocks were decided for the view.
     pub(super) tessellated: bool,
@@ -33,7 +35,10 @@ fn offsets(samples: u32) -> [[i32; 4]; 8] {
 pub(super) fn frame_record(scene: &Drawn, view: &View) -> Frame {
     let four = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
     let p = &view.projection;
-    let shader = Shader::new(scene.mode, view, &[], &[]);
+    let mut shader = Shader::new(scene.mode, view, &[], &[]);
+    if scene.has_folds {
+        shader = shader.with_folds();
+    }
     let [ray_x, ray_y, ray_0] = shader.rays();
     let (lights, [wrap, gloss, rise, knee]) = LightRig::turned(view, scene.light_turn).numbers();
     let [
@@ -58,7 +63,7 @@ pub(super) fn frame_record(scene: &Drawn, view: &View) -> Frame {
         ray_x: four(ray_x, 0.0),
         ray_y: four(ray_y, 0.0),
         ray_0: four(ray_0, 0.0),
-        eye: four(e, 0.0),
+        eye: four(e, shader.decided()),
         back: four(f.map(|c| -c), behind),
         key_toward: four(key, 0.0),
         key_color: four(key_color, wrap),

@@ -231,10 +231,10 @@ mod tests {
             // Near a silhouette the triangle knows.
             assert_eq!(seen(0.2, side, 0.25), side);
             assert_eq!(seen(-0.2, side, 0.25), side);
-            assert_eq!(seen(-0.9, side, f32::INFINITY), side);
+            assert_eq!(seen(-0.9, side, 2.0), side);
         }
-        assert_eq!(seen(0.2, 0.0, f32::INFINITY), 1.0);
-        assert_eq!(seen(-0.2, 0.0, f32::INFINITY), -1.0);
+        assert_eq!(seen(0.2, 0.0, 2.0), 1.0);
+        assert_eq!(seen(-0.2, 0.0, 2.0), -1.0);
     }
 
     #[test]

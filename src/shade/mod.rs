@@ -69,6 +69,9 @@ pub(crate) const LEVEL_COLORS: [[f32; 3]; 11] = [
 /// Cosine to the eye from which on normals of a flat tessellation are decided.
 const FOLDED: f32 = 0.25;
 
+/// In its place where no normal is believed against its triangle.
+const NEVER: f32 = 2.0;
+
 /// Shades the points of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader<'a> {
@@ -102,7 +105,7 @@ impl<'a> Shader<'a> {
             back: view.forward.map(|c| -c),
             rays: rays_to_eye(view),
             ortho: view.projection.ortho,
-            decided: f32::INFINITY,
+            decided: NEVER,
             default: SurfaceMaterial::CLAY,
             materials,
             textures,
@@ -143,6 +146,12 @@ impl<'a> Shader<'a> {
     #[cfg(feature = "gpu")]
     pub(crate) fn rays(&self) -> [[f32; 3]; 3] {
         self.rays
+    }
+
+    /// Cosine to the eye from which on normals are believed against their triangles; see [`Shader::with_folds`].
+    #[cfg(feature = "gpu")]
+    pub(crate) fn decided(&self) -> f32 {
+        self.decided
     }
 
     /// What the shader shows.

@@ -21,12 +21,17 @@ fn shoulder(light: f32) -> f32 {
     return min(x, knee) + (1.0 - knee) * (over / (1.0 + over));
 }
 
-// `side` is 1 where the front is seen, -1 where the back is, 0 where the normal decides.
-fn light(normal: vec3<f32>, seen: f32, to_eye: vec3<f32>, albedo: vec3<f32>) -> vec3<f32> {
+// The side that is seen: 1 the front, -1 the back. `side` is that of the triangle, or 0 where it has none to tell; the normal is believed
+// against it from the frame's cosine to the eye on.
+fn side_seen(normal: vec3<f32>, side: f32, to_eye: vec3<f32>) -> f32 {
+    let facing = dot(unit(normal), unit(to_eye));
+    let turned = select(1.0, -1.0, facing < 0.0);
+    return select(side, turned, side == 0.0 || facing * side < -frame.eye.w);
+}
+
+fn light(normal: vec3<f32>, side: f32, to_eye: vec3<f32>, albedo: vec3<f32>) -> vec3<f32> {
     let v = unit(to_eye);
-    let facing = unit(normal);
-    let turned = select(1.0, -1.0, dot(facing, v) < 0.0);
-    let n = facing * select(seen, turned, seen == 0.0);
+    let n = unit(normal) * side;
     let key = wrapped(dot(n, frame.key_toward.xyz));
     let fill = wrapped(dot(n, frame.fill_toward.xyz));
     let edge = 1.0 - positive(dot(n, v));

@@ -115,7 +115,7 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
         if !has_direction(n) {
             n = select(to_eye * select(sign(at.side), 1.0, at.side == 0.0), geometric, has_direction(geometric));
         }
-        return light(n, at.side, to_eye, albedo);
+        return light(n, side_seen(n, at.side, to_eye), to_eye, albedo);
     }
     var to_eye = frame.eye.xyz - place;
     if frame.ortho != 0u {
@@ -127,11 +127,15 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
     if !has_direction(geometric) {
         geometric = n;
     }
+    var seen = select(1.0, -1.0, dot(geometric, unit(to_eye)) < 0.0);
+    if frame.mode != FLAT {
+        // Relief does not say which side is seen.
+        seen = side_seen(n, seen, to_eye);
+    }
     if is_relief {
         n = tilted(material, n, along, across, uv, side);
     }
     if frame.mode == LIT || frame.mode == FLAT {
-        let seen = select(1.0, -1.0, dot(geometric, unit(to_eye)) < 0.0);
         if frame.mode == FLAT {
             n = geometric;
         }
