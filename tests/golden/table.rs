@@ -15,14 +15,14 @@ pub(crate) struct Golden {
     pub(crate) name: String,
     pub(crate) asset: &'static str,
     pub(crate) scheme: Scheme,
-    pub(crate) level: u32,
+    pub(crate) refinement: Refinement,
     pub(crate) drawing: Drawing,
     pub(crate) mode: ShadeMode,
     pub(crate) samples: u32,
     pub(crate) camera: Camera,
     pub(crate) patches: PatchKind,
-    /// Depth tags in place of the level, and whether vertices have random ones.
-    pub(crate) tags: Option<(DepthTags, bool)>,
+    /// Whether vertices have random depth tags.
+    pub(crate) has_random_tags: bool,
 }
 
 const ICOSAHEDRON: &str = "v -1 1.618034 0
@@ -60,6 +60,22 @@ f 10 9 2
 ";
 
 impl Golden {
+    /// A limit surface under light, with 4 samples.
+    fn new(name: String, asset: &'static str, scheme: Scheme, refinement: Refinement) -> Self {
+        Self {
+            name,
+            asset,
+            scheme,
+            refinement,
+            drawing: Drawing::Limit,
+            mode: ShadeMode::Lit,
+            samples: 4,
+            camera: Camera::default(),
+            patches: PatchKind::None,
+            has_random_tags: false,
+        }
+    }
+
     /// What it shows, without displacement.
     pub(crate) fn scene(&self) -> Scene {
         let mut loader = Loader::new(LoadOptions {
@@ -79,7 +95,7 @@ impl Golden {
             loader.add_file(&path).unwrap();
         }
         let mut scene = loader.finish().0;
-        if let Some((_, true)) = self.tags {
+        if self.has_random_tags {
             let mut numbers = common::Random(11);
             let count = scene.objects[0].surface.cage().points().len();
             // Few vertices have tags that differ.
@@ -97,35 +113,27 @@ impl Golden {
     pub(crate) fn renderer(&self) -> Renderer {
         let mut renderer = Renderer::new(256, 256);
         renderer.size.samples = self.samples;
-        renderer.refinement = match self.tags {
-            Some((tags, _)) => Refinement::DepthTags(tags),
-            None => Refinement::Uniform(self.level),
-        };
+        renderer.refinement = self.refinement;
         renderer.drawing = self.drawing;
         renderer.mode = self.mode;
         renderer
     }
 }
 
-/// Scheme and level are part of the name. `more` are further assets with their level and the rest of their name.
+/// Catmull-Clark at a level, by asset, level and the rest of the name.
+fn uniform(asset: &'static str, level: u32, what: &str) -> Golden {
+    let name = format!("{asset}_catmull-clark_l{level}{what}");
+    Golden::new(
+        name,
+        asset,
+        Scheme::CatmullClark,
+        Refinement::Uniform(level),
+    )
+}
+
+/// All of them. `more` are further assets with their level and the rest of their name; what follows a blank is a name of its own.
 pub(crate) fn goldens(more: &[(&'static str, u32, &str)]) -> Vec<Golden> {
     let mut out = Vec::new();
-    let mut add = |asset, level, what: &str, drawing, mode, samples, camera| {
-        let name = format!("{asset}_catmull-clark_l{level}{what}");
-        out.push(Golden {
-            name,
-            asset,
-            scheme: Scheme::CatmullClark,
-            level,
-            drawing,
-            mode,
-            samples,
-            camera,
-            patches: PatchKind::None,
-            tags: None,
-        });
-    };
-    let camera = Camera::default();
     for asset in [
         "corner",
         "cube",
@@ -140,118 +148,52 @@ pub(crate) fn goldens(more: &[(&'static str, u32, &str)]) -> Vec<Golden> {
         "tetrahedron",
         "torus",
     ] {
-        add(asset, 3, "", Drawing::Limit, ShadeMode::Lit, 4, camera);
+        out.push(uniform(asset, 3, ""));
     }
-    add("creature", 4, "", Drawing::Limit, ShadeMode::Lit, 4, camera);
-    add(
-        "creature",
-        2,
-        "_normals",
-        Drawing::Limit,
-        ShadeMode::Normals,
-        1,
-        camera,
-    );
-    add(
-        "creature",
-        2,
-        "_uv",
-        Drawing::Limit,
-        ShadeMode::Uv,
-        1,
-        camera,
-    );
-    add(
-        "creature",
-        3,
-        "_ortho_16",
-        Drawing::Limit,
-        ShadeMode::Lit,
-        16,
-        camera.with_ortho().with_orbit(200.0, 10.0),
-    );
-    add(
-        "creature",
-        1,
-        "_refined_flat",
-        Drawing::Refined,
-        ShadeMode::Flat,
-        8,
-        camera,
-    );
-    add(
-        "creature",
-        0,
-        "_cage",
-        Drawing::Cage,
-        ShadeMode::Lit,
-        4,
-        camera,
-    );
-    for (asset, level, what) in [("creature", 3, "_single"), ("part", 6, "_single")] {
-        add(
-            asset,
-            level,
-            what,
-            Drawing::Limit,
-            ShadeMode::Lit,
-            1,
-            camera,
-        );
+    out.extend([uniform("creature", 4, ""), uniform("part", 0, "")]);
+    for (asset, level, what, mode) in [
+        ("creature", 2, "_normals", ShadeMode::Normals),
+        ("creature", 2, "_uv", ShadeMode::Uv),
+        ("creature", 3, "_single", ShadeMode::Lit),
+        ("part", 6, "_single", ShadeMode::Lit),
+        ("part", 2, "_depth", ShadeMode::Depth),
+        ("torus", 6, "_level", ShadeMode::Level),
+    ] {
+        out.push(Golden {
+            mode,
+            samples: 1,
+            ..uniform(asset, level, what)
+        });
     }
-    add("part", 0, "", Drawing::Limit, ShadeMode::Lit, 4, camera);
-    add(
-        "part",
-        0,
-        "_cage",
-        Drawing::Cage,
-        ShadeMode::Flat,
-        4,
-        camera,
-    );
-    add(
-        "part",
-        2,
-        "_depth",
-        Drawing::Limit,
-        ShadeMode::Depth,
-        1,
-        camera,
-    );
-    add(
-        "part",
-        7,
-        "_near",
-        Drawing::Limit,
-        ShadeMode::Lit,
-        4,
-        camera.with_zoom(6.0),
-    );
-    add(
-        "torus",
-        6,
-        "_level",
-        Drawing::Limit,
-        ShadeMode::Level,
-        1,
-        camera,
-    );
+    let camera = Camera::default();
+    out.push(Golden {
+        samples: 16,
+        camera: camera.with_ortho().with_orbit(200.0, 10.0),
+        ..uniform("creature", 3, "_ortho_16")
+    });
+    out.push(Golden {
+        drawing: Drawing::Refined,
+        mode: ShadeMode::Flat,
+        samples: 8,
+        ..uniform("creature", 1, "_refined_flat")
+    });
+    for (asset, mode) in [("creature", ShadeMode::Lit), ("part", ShadeMode::Flat)] {
+        out.push(Golden {
+            drawing: Drawing::Cage,
+            mode,
+            ..uniform(asset, 0, "_cage")
+        });
+    }
+    out.push(Golden {
+        camera: camera.with_zoom(6.0),
+        ..uniform("part", 7, "_near")
+    });
     for &(asset, level, what) in more {
-        add(
-            asset,
-            level,
-            what,
-            Drawing::Limit,
-            ShadeMode::Lit,
-            4,
-            camera,
-        );
-    }
-    // What follows a blank is a name of its own.
-    for g in &mut out {
-        if let Some((_, name)) = g.name.split_once(' ') {
-            g.name = name.to_owned();
+        let mut golden = uniform(asset, level, what);
+        if let Some((_, name)) = what.split_once(' ') {
+            golden.name = name.to_owned();
         }
+        out.push(golden);
     }
     for (asset, scheme, level) in [
         ("part_creased", Scheme::CatmullClark, 3),
@@ -264,18 +206,8 @@ pub(crate) fn goldens(more: &[(&'static str, u32, &str)]) -> Vec<Golden> {
             Scheme::Bilinear => "bilinear",
             _ => "catmull-clark",
         };
-        out.push(Golden {
-            name: format!("{asset}_{kind}_l{level}"),
-            asset,
-            scheme,
-            level,
-            drawing: Drawing::Limit,
-            mode: ShadeMode::Lit,
-            samples: 4,
-            camera,
-            patches: PatchKind::None,
-            tags: None,
-        });
+        let name = format!("{asset}_{kind}_l{level}");
+        out.push(Golden::new(name, asset, scheme, Refinement::Uniform(level)));
     }
     for (asset, scheme, kind, patches) in [
         ("creature", Scheme::CatmullClark, "qas", PatchKind::Qas),
@@ -285,20 +217,47 @@ pub(crate) fn goldens(more: &[(&'static str, u32, &str)]) -> Vec<Golden> {
         ("icosahedron", Scheme::Loop, "qas", PatchKind::Qas),
         ("icosahedron", Scheme::Loop, "pn", PatchKind::Pn),
     ] {
+        let name = format!("{asset}_{kind}_l4");
         out.push(Golden {
-            name: format!("{asset}_{kind}_l4"),
-            asset,
-            scheme,
-            level: 4,
-            drawing: Drawing::Limit,
-            mode: ShadeMode::Lit,
-            samples: 4,
-            camera,
             patches,
-            tags: None,
+            ..Golden::new(name, asset, scheme, Refinement::Uniform(4))
         });
     }
+    out.extend(adaptive());
     out.extend(tagged());
+    out
+}
+
+/// What is drawn where nothing is said, by topic.
+fn adaptive() -> Vec<Golden> {
+    let default = Renderer::new(1, 1).refinement;
+    let camera = Camera::default();
+    let mut out = Vec::new();
+    for (asset, scheme, what, mode, camera) in [
+        ("creature", Scheme::CatmullClark, "", ShadeMode::Lit, camera),
+        (
+            "creature",
+            Scheme::CatmullClark,
+            "_level",
+            ShadeMode::Level,
+            camera,
+        ),
+        (
+            "part_creased",
+            Scheme::CatmullClark,
+            "_near",
+            ShadeMode::Lit,
+            camera.with_zoom(4.0),
+        ),
+        ("octahedron", Scheme::Loop, "", ShadeMode::Lit, camera),
+    ] {
+        let name = format!("adaptive_{asset}{what}");
+        out.push(Golden {
+            mode,
+            camera,
+            ..Golden::new(name, asset, scheme, default)
+        });
+    }
     out
 }
 
@@ -315,7 +274,7 @@ fn tagged() -> Vec<Golden> {
         ("pattern_equilateral", by(Pattern::Equilateral), true),
     ];
     let mut out = Vec::new();
-    for (topic, tags, random) in topics {
+    for (topic, tags, has_random_tags) in topics {
         for (asset, scheme, what, mode) in [
             ("creature", Scheme::CatmullClark, "", ShadeMode::Lit),
             ("creature", Scheme::CatmullClark, "_level", ShadeMode::Level),
@@ -323,17 +282,11 @@ fn tagged() -> Vec<Golden> {
             ("octahedron", Scheme::Loop, "_flat", ShadeMode::Flat),
             ("octahedron", Scheme::Loop, "", ShadeMode::Lit),
         ] {
+            let name = format!("{topic}_{asset}{what}");
             out.push(Golden {
-                name: format!("{topic}_{asset}{what}"),
-                asset,
-                scheme,
-                level: 0,
-                drawing: Drawing::Limit,
                 mode,
-                samples: 4,
-                camera: Camera::default(),
-                patches: PatchKind::None,
-                tags: Some((tags, random)),
+                has_random_tags,
+                ..Golden::new(name, asset, scheme, Refinement::DepthTags(tags))
             });
         }
     }

@@ -66,11 +66,13 @@ pub(crate) fn draw(gpu: &Gpu, renderer: &Renderer, scene: &Scene, camera: &Camer
 fn refusal(g: &Golden) -> Option<&'static str> {
     let refused = [
         (
-            g.tags.is_some_and(|(tags, _)| tags.pattern.is_some()),
+            matches!(g.refinement, Refinement::DepthTags(tags) if tags.pattern.is_some()),
             "patterns",
         ),
         (
-            g.asset == "part" && g.level == 0 && g.drawing != Drawing::Cage,
+            g.asset == "part"
+                && g.refinement == Refinement::Uniform(0)
+                && g.drawing != Drawing::Cage,
             "other than four corners at level 0",
         ),
     ];
