@@ -350,8 +350,8 @@ impl Texture {
     }
 
     /// The texture as words, for look-up elsewhere: a header of eight (levels, where their sizes are, where texels are, where the values of
-    /// codes are, whether texels take two words, bits of the bias of levels of detail, whether there is an alpha channel), then width, height and first texel of every level, the
-    /// values, and the texels. Places count from `base`.
+    /// codes are, whether texels take two words, bits of the bias of levels of detail, whether there is an alpha channel), then width, height
+    /// and first texel of every level, the values, and the texels. Places count from `base`.
     #[cfg(feature = "gpu")]
     pub(crate) fn words(&self, base: u32) -> Vec<u32> {
         let sizes = base + 8;

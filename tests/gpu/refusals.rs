@@ -50,6 +50,13 @@ fn what_is_not_drawn_is_refused() {
         ..SurfaceMaterial::CLAY
     });
     refused(&renderer, &patched, "maps on patches");
+    let kobbelt = SurfaceOptions {
+        scheme: Some(Scheme::Kobbelt),
+        ..SurfaceOptions::default()
+    };
+    let mut bumpy = asset("creature", kobbelt);
+    bumpy.default_material = patched.default_material;
+    refused(&renderer, &bumpy, "maps on interpolating surfaces");
     let noise = || Some(Displacement::function(Function::new(Shape::Perlin)));
     patched.default_material = None;
     patched.objects[0].surface.set_displacement(noise());
@@ -98,7 +105,7 @@ fn what_is_not_drawn_is_refused() {
     };
     let refused = GpuScene::new(&tiny, &uniform(64, 64, 4), &scene, &Camera::default());
     assert!(matches!(refused, Err(GpuError::OutOfMemory { .. })));
-    println!("gpu refusals: 9 cases");
+    println!("gpu refusals: 10 cases");
 }
 
 /// Every kind of memory counts: what is drawn with just as much as it takes is not drawn with a little less.
