@@ -132,7 +132,9 @@ impl LightRig {
 pub(super) fn side_seen(normal: [f32; 3], side: f32, v: [f32; 3], decided: f32) -> f32 {
     let facing = dot(normal, v);
     let turned = if facing < 0.0 { -1.0 } else { 1.0 };
-    if side == 0.0 || facing * side < -decided {
+    // One choice after the other: with both in one condition the compiler gives up lanes of 8.
+    let side = if side == 0.0 { turned } else { side };
+    if facing * side < -decided {
         turned
     } else {
         side
