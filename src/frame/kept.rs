@@ -2,7 +2,10 @@
 //! gets its attributes at once, and what is seen of it need not be displaced again.
 
 use super::source::Attributes;
-use crate::records::{BLOCK_STRIDE, BlockSize, Grid3};
+use crate::records::{BLOCK_POINTS, BLOCK_STRIDE, BlockSize, Grid3};
+
+/// Most numbers of a block: points and five attributes.
+const BLOCK: usize = 18 * BLOCK_POINTS * BLOCK_POINTS;
 
 /// Numbers that a thread keeps at most, 8 MB of them; what is drawn after that is diced again. Items are drawn nearest first, and those are
 /// the most likely to be seen.
@@ -48,7 +51,7 @@ impl Kept {
 
     /// Whether another block can be kept.
     pub(super) fn has_room(&self) -> bool {
-        self.is_open && self.numbers.len() < MOST
+        self.is_open && self.numbers.len() + BLOCK <= MOST
     }
 
     /// Keeps a block that was drawn.

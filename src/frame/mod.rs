@@ -1,4 +1,5 @@
-//! A frame: order of stages, tiles over threads, and the level of each model. The only module that sees all others.
+//! A frame: the order of its stages. `refinement` finds how far models are refined, `passes` takes items and tiles over threads. The only
+//! module that sees all others.
 //!
 //! ```text
 //! (flatness | depth tags ─▶ blocks) quads ─ setup ─▶ screen boxes ─ bin ─▶ per tile: dice ▸ project ▸ rasterise ─▶ keys ─ dice again what is seen ▸ shade ─▶ film ─▶ pixels
@@ -16,6 +17,8 @@ pub mod deviation;
 mod kept;
 mod leaf;
 mod level;
+mod passes;
+mod refinement;
 mod scene;
 mod shading;
 mod source;
@@ -28,85 +31,25 @@ mod walk;
 use crate::camera::{Camera, CameraError, View};
 use crate::film::{Film, Image};
 use crate::limits::{Budget, LimitError, Limits};
-use crate::patch::PatchKind;
-use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, bounds, tile_side};
+use crate::raster::{Bins, MAX_SCREEN, PixelBox, TileGrid, tile_side};
 use crate::records::ScreenSize;
 use crate::shade::{LightRig, ShadeMode, Shader, SurfaceMaterial};
 use crate::simd::Level as SimdLevel;
-use crate::surface::Surface;
+use crate::tessellate::Flatness;
 use crate::tessellate::patterns::Pool;
-use crate::tessellate::{DepthTags, Flatness, Tessellation, depth_tags, flatness};
 use crate::texture::Texture;
-use rayon::prelude::*;
-use std::cmp::Reverse;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 pub use aov::{Aov, Plane};
+pub use refinement::Refinement;
 pub use scene::{Object, Scene};
 pub use source::Drawing;
 pub use stats::{FrameStats, Stage, StageTimes};
 pub(crate) use walk::{Block, Walk};
 
+use passes::ScratchPool;
 use source::Source;
-use tile::Scratch;
-
-/// How far surfaces are refined.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Refinement {
-    /// The same level everywhere, 0 to 10.
-    Uniform(u32),
-    /// As fine as the picture asks for, edge by edge and block by block; the limit surface alone. Other drawings get a level from the
-    /// length of their edges.
-    Adaptive(Flatness),
-    /// What the command line draws by default: [`Adaptive`](Self::Adaptive) within half a pixel, and
-    /// [`ByEdgeLength`](Self::ByEdgeLength) for interpolating schemes, which are refined as a whole so that looking for what is flat takes
-    /// longer than drawing it all.
-    Default {
-        /// Highest level.
-        max_level: u32,
-    },
-    /// By integers at the vertices of the cage, 0 to 10; the limit surface alone. Other drawings get the level of their deepest edge.
-    DepthTags(DepthTags),
-    /// Per model, from the length of its edges on the screen, up to a limit.
-    ByEdgeLength {
-        /// Highest level.
-        max_level: u32,
-    },
-}
-
-impl Refinement {
-    /// The same without adaptive tessellation, for pictures of `size` that are seen for a moment: levels by the length of edges, or where a
-    /// scene has more faces than are told apart, level 1 without looking at them.
-    #[must_use]
-    pub fn without_flatness(self, scene: &Scene, size: ScreenSize) -> Self {
-        /// Pixels per face below which its edges are not looked at: most are short enough, and there are many.
-        const SMALL: u64 = 16;
-        let pixels = u64::from(size.width) * u64::from(size.height);
-        match self {
-            Self::Adaptive(Flatness { max_level, .. }) | Self::Default { max_level } => {
-                match scene.face_count() as u64 * SMALL > pixels {
-                    true => Self::Uniform(max_level.min(1)),
-                    false => Self::ByEdgeLength { max_level },
-                }
-            }
-            other => other,
-        }
-    }
-
-    /// What it is for a surface.
-    fn of(self, surface: &Surface) -> Self {
-        match self {
-            Self::Default { max_level } if surface.has_tables() => Self::ByEdgeLength { max_level },
-            Self::Default { max_level } => Self::Adaptive(Flatness {
-                max_level,
-                ..Flatness::default()
-            }),
-            other => other,
-        }
-    }
-}
 
 /// Draws scenes.
 ///
@@ -152,32 +95,6 @@ pub struct Renderer {
     pub decided_by: Option<View>,
     scratch: ScratchPool,
     patterns: Pool,
-}
-
-/// Buffers of threads, kept from frame to frame: fresh memory for every tile costs more than the tile.
-#[derive(Default)]
-struct ScratchPool(Mutex<Vec<Scratch>>);
-
-impl std::fmt::Debug for ScratchPool {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("ScratchPool")
-    }
-}
-
-impl ScratchPool {
-    fn take(&self, samples: u32, simd: SimdLevel) -> Scratch {
-        let kept = self.0.lock().ok().and_then(|mut pool| {
-            let k = pool.iter().rposition(|s| s.fits(samples, simd))?;
-            Some(pool.swap_remove(k))
-        });
-        kept.unwrap_or_else(|| Scratch::new(samples, simd))
-    }
-    fn give_back(&self, mut scratch: Scratch) {
-        scratch.forget_scene();
-        if let Ok(mut pool) = self.0.lock() {
-            pool.push(scratch);
-        }
-    }
 }
 
 /// A finished frame.
@@ -492,31 +409,6 @@ impl Renderer {
         Ok(draw(&frame, stats)?)
     }
 
-    /// Levels of the objects, and the blocks of those that are tessellated: what other backends draw by, too. Blocks are taken from `budget`.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn decide(
-        &self,
-        scene: &Scene,
-        view: &View,
-        budget: &mut Budget<'_>,
-    ) -> Result<(Vec<u32>, Vec<Option<Tessellation>>), RenderError> {
-        self.check_size()?;
-        let mut levels = self.levels(scene, view)?;
-        let decided_by = self.decided_by.as_ref().unwrap_or(view);
-        let found = self.tessellations(scene, decided_by, &mut levels, budget)?;
-        Ok((levels, found))
-    }
-
-    /// Whether all triangles are within a few degrees of their normals.
-    pub(crate) fn is_flat(&self, scene: &Scene) -> bool {
-        let is_flat = |surface: &Surface| {
-            let is_limit =
-                surface.patch_kind() == PatchKind::None && surface.displacement().is_none();
-            is_limit && matches!(self.refinement.of(surface), Refinement::Adaptive(_))
-        };
-        self.drawing == Drawing::Limit && scene.objects.iter().all(|o| is_flat(&o.surface))
-    }
-
     fn check_size(&self) -> Result<(), RenderError> {
         let ScreenSize {
             width,
@@ -540,192 +432,5 @@ impl Renderer {
         let pixels = u128::from(self.size.width) * u128::from(self.size.height);
         let tile = 16_u128 << 20;
         pixels * 8 + u128::from(items) * 64 + tile * rayon::current_num_threads() as u128
-    }
-
-    pub(crate) fn levels(&self, scene: &Scene, view: &View) -> Result<Vec<u32>, RenderError> {
-        match self.refinement {
-            Refinement::Uniform(level) if level > crate::dice::MAX_LEVEL => {
-                Err(RenderError::Level { level })
-            }
-            Refinement::Uniform(level) => Ok(vec![level; scene.objects.len()]),
-            Refinement::Adaptive(Flatness { max_level, .. })
-            | Refinement::Default { max_level }
-            | Refinement::ByEdgeLength { max_level } => Ok(scene
-                .objects
-                .iter()
-                .map(|o| {
-                    level::by_edge_length(&o.surface, view, max_level.min(crate::dice::MAX_LEVEL))
-                })
-                .collect()),
-            // Found with the blocks.
-            Refinement::DepthTags(_) if self.drawing == Drawing::Limit => {
-                Ok(vec![0; scene.objects.len()])
-            }
-            Refinement::DepthTags(wanted) => Ok(scene
-                .objects
-                .iter()
-                .map(|o| depth_tags::deepest(&o.surface, &o.tags(view, &wanted)))
-                .collect()),
-        }
-    }
-
-    /// Adaptive tessellations of the objects that have them, and their deepest levels.
-    fn tessellations(
-        &self,
-        scene: &Scene,
-        view: &View,
-        levels: &mut [u32],
-        budget: &mut Budget<'_>,
-    ) -> Result<Vec<Option<Tessellation>>, LimitError> {
-        let mut out = Vec::new();
-        for (object, level) in scene.objects.iter().zip(levels) {
-            let surface = &object.surface;
-            if self.drawing != Drawing::Limit {
-                out.push(None);
-                continue;
-            }
-            let is_drawn = |quad: u32, hull: &mut Vec<[f32; 3]>| {
-                scene.is_drawn(object, surface.cage_face(quad))
-                    && bounds(hull, &view.projection, self.size).is_some()
-            };
-            let split = u32::from(surface.is_split());
-            let limits = &self.limits;
-            let found = match self.refinement.of(surface) {
-                Refinement::Adaptive(flatness) => {
-                    // Interpolating surfaces are refined as a whole for deep levels: no deeper than edges within a
-                    // pixel, at which no corner shows.
-                    let most = match surface.has_tables() {
-                        true => flatness.max_level.min(*level + 3),
-                        false => flatness.max_level,
-                    };
-                    let wanted = Flatness {
-                        max_level: most.saturating_sub(split),
-                        ..flatness
-                    };
-                    let (simd, seen) = (self.simd, (view, &wanted));
-                    flatness::tessellate(surface, seen, simd, limits, budget, is_drawn)?
-                }
-                Refinement::DepthTags(wanted) => {
-                    let tags = object.tags(view, &wanted);
-                    let pattern = wanted.pattern.map(|p| (p, &self.patterns));
-                    depth_tags::tessellate(surface, &tags, pattern, limits, budget, is_drawn)?
-                }
-                Refinement::Uniform(_)
-                | Refinement::ByEdgeLength { .. }
-                | Refinement::Default { .. } => {
-                    out.push(None);
-                    continue;
-                }
-            };
-            let deepest = found.leaves.iter().map(|l| u32::from(l.level)).max();
-            *level = deepest.unwrap_or(0) + split;
-            out.push(Some(found));
-        }
-        Ok(out)
-    }
-
-    /// Screen boxes of all items, in parallel.
-    fn setup(
-        &self,
-        frame: &Frame<'_>,
-        item_count: u32,
-        diced: &mut u64,
-    ) -> Result<Vec<Option<PixelBox>>, LimitError> {
-        let points = AtomicU64::new(0);
-        let mut boxes = vec![None; item_count as usize];
-        const CHUNK: usize = 64;
-        boxes
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .try_for_each(|(k, chunk)| {
-                self.limits.check()?;
-                let mut scratch = self.scratch.take(frame.size.samples, self.simd);
-                let Scratch { source, hull, .. } = &mut scratch;
-                for (i, out) in chunk.iter_mut().enumerate() {
-                    let item = (k * CHUNK + i) as u32;
-                    let of = frame.source_of(item);
-                    *out = tile::item_box(frame, of, item - of.first_item, source, hull);
-                }
-                points.fetch_add(source.take_diced(), Ordering::Relaxed);
-                self.scratch.give_back(scratch);
-                Ok(())
-            })?;
-        *diced = points.into_inner();
-        Ok(boxes)
-    }
-
-    fn tiles(
-        &self,
-        frame: &Frame<'_>,
-        stats: &mut FrameStats,
-    ) -> Result<(Image, Vec<Plane>), LimitError> {
-        self.limits.progress.begin(frame.grid.len() as u64);
-        let size = [self.size.width, self.size.height];
-        let mut image = match frame.film.empty() {
-            [0, 0, 0, 0] => Image::new(size[0], size[1]),
-            empty => Image::filled(size, empty),
-        };
-        let (line, side) = (self.size.width as usize * 4, frame.grid.side() as usize);
-        // Those with the most to do first, so that no thread is left alone with one at the end.
-        let mut order: Vec<usize> = (0..frame.grid.len()).collect();
-        order.sort_by_key(|&tile| Reverse(frame.bins.items(tile).len()));
-        let next = AtomicUsize::new(0);
-        // Rows of tiles, each behind a lock that is held while a tile's pixels are copied in.
-        let bands: Vec<Mutex<&mut [u8]>> =
-            image.data.chunks_mut(line * side).map(Mutex::new).collect();
-        let mut planes = frame.wanted.planes(self.size.width, self.size.height);
-        let plane_bands: Vec<Vec<Mutex<&mut [u8]>>> = planes
-            .iter_mut()
-            .map(|p| {
-                let bytes = self.size.width as usize * p.aov.pixel_bytes() * side;
-                p.data.chunks_mut(bytes).map(Mutex::new).collect()
-            })
-            .collect();
-        let points = AtomicU64::new(0);
-        let (covered, times) = (0..frame.grid.len())
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|_| {
-                self.limits.check()?;
-                let tile = order[next.fetch_add(1, Ordering::Relaxed)];
-                let mut scratch = self.scratch.take(self.size.samples, self.simd);
-                scratch.times = StageTimes::measuring(self.measure);
-                let covered = tile::draw_tile(frame, tile, &mut scratch);
-                let clock = scratch.times.start();
-                let [x, _, width, _] = frame.grid.rect(tile);
-                if let Ok(mut band) = bands[tile / frame.grid.cols() as usize].lock() {
-                    for (to, (from, row)) in band.chunks_exact_mut(line).zip(scratch.shown_rows()) {
-                        let at = (x + from) as usize * 4;
-                        to[at..at + row.len() * 4].copy_from_slice(row.as_flattened());
-                    }
-                }
-                let wanted = frame.wanted.aovs.iter();
-                let outputs = wanted.zip(&plane_bands).zip(&scratch.planes.rows);
-                for ((aov, bands), rows) in outputs {
-                    if let Ok(mut band) = bands[tile / frame.grid.cols() as usize].lock() {
-                        let size = aov.pixel_bytes();
-                        aov::copy_rows(&mut band, rows, self.size.width, [x, width], size);
-                    }
-                }
-                scratch.times.stop(Stage::Film, clock);
-                let times = scratch.times;
-                points.fetch_add(scratch.source.take_diced(), Ordering::Relaxed);
-                self.scratch.give_back(scratch);
-                Ok((covered, times))
-            })
-            .try_reduce(
-                || (0, StageTimes::default()),
-                |mut a, b| {
-                    a.0 += b.0;
-                    a.1.add(&b.1);
-                    Ok(a)
-                },
-            )?;
-        drop(bands);
-        drop(plane_bands);
-        stats.diced += points.into_inner();
-        stats.pixels_covered += covered;
-        stats.times.add(&times);
-        Ok((image, planes))
     }
 }

@@ -1,5 +1,5 @@
-//! The second half of a tile: blocks that are seen are diced again with what shading needs unless they were kept, their fragments get colours, and pixels
-//! their bytes.
+//! The second half of a tile: blocks that are seen are diced again with what shading needs, unless they were kept, their fragments get
+//! colours, and pixels their bytes.
 //!
 //! What most pictures are full of, opaque surfaces under light without textures, goes in lanes from the samples' ids to colours, or to
 //! bytes where a pixel has one sample. Everything else goes by [`SurfacePoint`]s.
