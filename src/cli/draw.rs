@@ -118,6 +118,7 @@ pub(crate) fn draw_scene(
     }
     let camera = camera(a, scene);
     if a.picture.backend == Backend::Gpu {
+        check_lines_alone(&a.picture)?;
         let view = match sphere {
             Some(sphere) => camera.framing(sphere, renderer.size)?,
             None => renderer.view(scene, &camera)?,
@@ -201,6 +202,14 @@ pub(crate) fn draw_on_gpu(
 }
 
 /// Whether the processor draws, which alone can do what `verb` names.
+pub(crate) fn check_lines_alone(picture: &PictureFlags) -> Result<(), Failure> {
+    match picture.shade {
+        Shade::Wireframe => check_backend(picture, "line work alone"),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses what another backend does not draw.
 pub(crate) fn check_backend(picture: &PictureFlags, verb: &str) -> Result<(), Failure> {
     match picture.backend {
         Backend::Gpu => Err(Failure::usage(format!(

@@ -307,12 +307,12 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
         for (given, what) in [
             (!a.views.is_empty(), "sheets of --views"),
             (!a.aov.is_empty(), "the outputs of --aov"),
-            (a.picture.shade == Shade::Wireframe, "line work alone"),
         ] {
             if given {
                 draw::check_backend(&a.picture, what)?;
             }
         }
+        draw::check_lines_alone(&a.picture)?;
     }
     let outputs = outputs(a)?;
     // The picture itself, its tiles before they are put together, and the file at its largest.

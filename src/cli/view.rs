@@ -5,9 +5,9 @@
 mod studio;
 
 use super::displace::DisplaceFlags;
-use super::draw::check_backend;
+use super::draw::check_lines_alone;
 use super::exit::{Code, Failure};
-use super::flags::{Backend, LevelFlags, ModelFlags, PictureFlags, RunningFlags, Shade};
+use super::flags::{Backend, LevelFlags, ModelFlags, PictureFlags, RunningFlags};
 use super::gpu;
 use super::job::Job;
 use super::render::{check, check_models, check_picture};
@@ -61,9 +61,7 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     check(&a.displace, &a.level)?;
     if a.picture.backend == Backend::Gpu {
         gpu::check()?;
-        if a.picture.shade == Shade::Wireframe {
-            check_backend(&a.picture, "line work alone")?;
-        }
+        check_lines_alone(&a.picture)?;
     }
     if a.running.stats.is_some() {
         return Err(Failure::usage(

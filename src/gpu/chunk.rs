@@ -189,17 +189,19 @@ impl Builder {
         all
     }
 
-    /// Bytes of points, weights and gathers with one more face; the last two alone are kept here.
-    fn bytes_with(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> Result<[u64; 3], GpuError> {
+    /// Bytes of points, weights, gathers, and what spots take from elsewhere, with one more face; points are not kept here.
+    fn bytes_with(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> Result<[u64; 4], GpuError> {
         if dicer.shown == Shown::Polygons {
             return Ok(self.polygon_bytes(dicer, blocks));
         }
         let whole = dicer.surface.whole_quads();
         let points: u64 = blocks.iter().map(|b| ((1_u64 << b.log) + 1).pow(2)).sum();
         let mut points = u64::from(self.data.points()) + points;
+        let mut spots = 0;
         for h in whole.face_halves(blocks[0].quad) {
-            points += 1_u64 << dicer.side_level(h)?;
+            spots += 1_u64 << dicer.side_level(h)?;
         }
+        points += spots;
         let mut weights = 4 * self.data.weights.len() as u64;
         let mut gathers = 4 * self.data.gathers.len() as u64;
         let mut seen = Vec::new();
@@ -258,7 +260,12 @@ impl Builder {
             let points = 1_u64 << dicer.side_level(h)?;
             gathers += 8 * around.iter().sum::<u64>() * points;
         }
-        Ok([points * 4 * u64::from(POINT_FLOATS), weights, gathers])
+        let lifts = match dicer.is_displaced() {
+            true => (self.data.lifts.len() as u64 + spots) * Lift::SIZE as u64,
+            false => 0,
+        };
+        let points = points * 4 * u64::from(POINT_FLOATS);
+        Ok([points, weights, gathers, lifts])
     }
 
     fn add(
@@ -271,7 +278,7 @@ impl Builder {
         /// What memory is taken for.
         const WHAT: &str = "the chunks of the GPU backend";
         let limit = self.limit;
-        let too_large = |bytes: &[u64; 3]| bytes.iter().any(|&b| b > limit);
+        let too_large = |bytes: &[u64; 4]| bytes.iter().any(|&b| b > limit);
         let mut bytes = self.bytes_with(dicer, blocks)?;
         if too_large(&bytes) || self.data.blocks.len() + blocks.len() > MOST_BLOCKS {
             self.close();
@@ -282,7 +289,7 @@ impl Builder {
                 });
             }
         }
-        let [_, weights, gathers] = bytes;
+        let [_, weights, gathers, _] = bytes;
         let had = 4 * (self.data.weights.len() + self.data.gathers.len()) as u64;
         budget.take(WHAT, (weights + gathers - had).into(), 0)?;
         let had = self.data.record_bytes();

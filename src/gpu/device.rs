@@ -103,6 +103,9 @@ fn summary_of_adapter(adapter: &wgpu::Adapter) -> AdapterSummary {
     summary(adapter.get_info(), &adapter.limits(), adapter.features())
 }
 
+/// Storage buffers that a stage of a picture binds.
+const STORAGE_BUFFERS: u32 = 12;
+
 /// What one-pass keys need.
 const WIDE: wgpu::Features =
     wgpu::Features::SHADER_INT64.union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
@@ -126,8 +129,7 @@ pub struct Gpu {
     max_buffer: u64,
     pub(super) wide: bool,
     pub(super) timestamps: bool,
-    /// Made when a picture first needs them.
-    /// By the numbers of their variants.
+    /// By the numbers of their variants, made when a picture first needs them.
     pipelines: [OnceLock<Pipelines>; Variant::COUNT],
     failed: Arc<Mutex<Option<GpuError>>>,
 }
@@ -174,7 +176,8 @@ impl Gpu {
         Self::of_adapter(&all[0], options)
     }
 
-    /// A device and queue of the caller's, which keep their own limits and features.
+    /// A device and queue of the caller's, which keep their own limits and features. Pictures are refused by devices whose stages bind fewer
+    /// than 12 storage buffers; [`Refiner`](super::Refiner) takes those of any.
     #[must_use]
     pub fn of_device(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let limits = device.limits();
@@ -263,6 +266,11 @@ impl Gpu {
         let kept = &self.pipelines[variant.number()];
         if let Some(made) = kept.get() {
             return Ok(made);
+        }
+        if self.device.limits().max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+            return Err(GpuError::Unsupported {
+                what: "a device whose stages bind fewer than 12 storage buffers",
+            });
         }
         let made = self.caught(|| Ok(Pipelines::new(self, variant)))?;
         // When another thread was first, its pipelines are the same.

@@ -172,11 +172,15 @@ impl<'a> Dicer<'a> {
         if dicer.shown == Shown::Polygons {
             return Ok(dicer);
         }
+        let has_tables = dicer.shown != Shown::Pn || dicer.look.textured || dicer.colors > 0;
+        if has_tables {
+            // Before anything walks around vertices.
+            dicer.check()?;
+        }
         let needs = dicer.needs(plan);
-        if dicer.shown == Shown::Pn && !dicer.look.textured && dicer.colors == 0 {
+        if !has_tables {
             return Ok(dicer);
         }
-        dicer.check()?;
         dicer.make_tables(&needs, drawing, budget)?;
         Ok(dicer)
     }

@@ -55,6 +55,12 @@ impl Further {
         let Self::Nets { vectors, surfaces } = self else {
             return Ok(());
         };
+        // Before anything changes: a list of which some objects moved would be torn.
+        if !points.iter().flatten().all(|c| c.is_finite()) {
+            return Err(GpuError::Unsupported {
+                what: "points that are not finite",
+            });
+        }
         vectors.clear();
         for (first, surface) in surfaces {
             let own = *first..*first + surface.control_base().len();

@@ -14,7 +14,7 @@ const TABLE: usize = 3 * 4 * 4;
 
 impl Builder {
     /// Bytes of points, weights and gathers with the blocks of one more face: no less than what they take.
-    pub(super) fn polygon_bytes(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> [u64; 3] {
+    pub(super) fn polygon_bytes(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> [u64; 4] {
         let corners = dicer.surface.cage().face(blocks[0].quad as usize).len();
         // Blocks have four points and four corners at most, each with a gather, one for its colour and one for its texture coordinates.
         let points = u64::from(self.data.points()) + (4 * blocks.len() + corners) as u64;
@@ -24,6 +24,7 @@ impl Builder {
             points * 4 * u64::from(POINT_FLOATS),
             4 * weights as u64,
             4 * gathers as u64,
+            0,
         ]
     }
 

@@ -6,10 +6,11 @@ use super::error::GpuError;
 use super::further::Further;
 use super::plan::plan;
 use super::records::Rise;
+use super::rise::Maps;
 use super::stats::GpuStats;
 use super::view::Drawn;
 use crate::camera::View;
-use crate::displace::{Displacement, Source};
+use crate::displace::Displacement;
 use crate::frame::{Drawing, Object, Renderer, Scene};
 use crate::limits::Budget;
 use crate::load::surface_bytes;
@@ -31,24 +32,19 @@ pub(super) struct Ready {
     pub(super) stats: GpuStats,
 }
 
-/// What an object is drawn with; texels of its map are appended to `heights`.
-fn look(
+/// What an object is drawn with; its map is put among `heights`.
+fn look<'a>(
     renderer: &Renderer,
     scene: &Scene,
-    object: &Object,
+    object: &'a Object,
     wants_uvs: bool,
-    heights: &mut Vec<f32>,
+    heights: &mut Maps<'a>,
     budget: &mut Budget<'_>,
 ) -> Result<Look, GpuError> {
     let surface = &object.surface;
     let is_cage = renderer.drawing == Drawing::Cage;
     let displacement = surface.displacement().filter(|_| !is_cage);
-    if let Some(Source::Map(map)) = displacement.and_then(Displacement::source) {
-        // Kept here until they are on the device.
-        let bytes = 4 * map.texels().len() as u128;
-        budget.take("the heights of the GPU backend", bytes, 0)?;
-    }
-    let rise = Rise::of(displacement, heights).ok_or(GpuError::Missing {
+    let rise = Rise::of(displacement, heights, budget)?.ok_or(GpuError::Missing {
         what: "displacement of the device",
     })?;
     let textured = wants_uvs && surface.has_uvs();
@@ -77,7 +73,7 @@ impl Ready {
         let wants_uvs = renderer.mode == ShadeMode::Uv
             || !scene.textures.is_empty()
             || scene.objects.iter().any(Object::is_shaded_by_map);
-        let mut heights = Vec::new();
+        let mut heights = Maps::default();
         let cages = || scene.objects.iter().map(|o| o.surface.cage());
         let extras = |s: &Surface| match (renderer.drawing, s.patch_kind()) {
             (Drawing::Cage, _) => s.cage().normals().len(),
@@ -156,7 +152,7 @@ impl Ready {
             chunks: data,
             points: control_points,
             further,
-            heights,
+            heights: heights.texels,
             values,
             stats,
         };

@@ -5,27 +5,33 @@ use super::dicer::{Dicer, Owners};
 use super::error::GpuError;
 use super::records::{Lift, Rise};
 use super::wgsl::{MAP, NOISE, RIDGED, RIPPLES};
-use crate::displace::{Displacement, Shape, Source};
+use crate::displace::{Displacement, HeightMap, Shape, Source};
+use crate::limits::{Budget, LimitError};
 
 impl Rise {
-    /// Of a displacement, whose map's texels are appended to `heights`. Nothing of a caller's rule.
-    pub(super) fn of(displacement: Option<&Displacement>, heights: &mut Vec<f32>) -> Option<Self> {
+    /// Of a displacement, whose map is put among `heights`. Nothing of a caller's rule.
+    pub(super) fn of<'a>(
+        displacement: Option<&'a Displacement>,
+        heights: &mut Maps<'a>,
+        budget: &mut Budget<'_>,
+    ) -> Result<Option<Self>, LimitError> {
         let Some(displacement) = displacement else {
-            return Some(Self::default());
+            return Ok(Some(Self::default()));
         };
         let plain = Self {
             scale: displacement.scale,
             bias: displacement.bias,
             ..Self::default()
         };
-        Some(match displacement.source()? {
+        let Some(source) = displacement.source() else {
+            return Ok(None);
+        };
+        Ok(Some(match source {
             Source::Map(map) => {
                 let [width, height] = map.size();
-                let first = heights.len() as u32;
-                heights.extend_from_slice(map.texels());
                 Self {
                     shape: MAP,
-                    first,
+                    first: heights.place(map, budget)?,
                     width,
                     height,
                     per_pixel: u32::from(displacement.per_pixel),
@@ -52,7 +58,29 @@ impl Rise {
                     ..plain
                 }
             }
-        })
+        }))
+    }
+}
+
+/// Texels of the maps of all objects, each map once.
+#[derive(Default)]
+pub(super) struct Maps<'a> {
+    pub(super) texels: Vec<f32>,
+    maps: Vec<(&'a HeightMap, u32)>,
+}
+
+impl<'a> Maps<'a> {
+    /// Where the texels of a map begin. They are kept until they are on the device.
+    fn place(&mut self, map: &'a HeightMap, budget: &mut Budget<'_>) -> Result<u32, LimitError> {
+        if let Some(&(_, first)) = self.maps.iter().find(|m| std::ptr::eq(m.0, map)) {
+            return Ok(first);
+        }
+        let bytes = 4 * map.texels().len() as u128;
+        budget.take("the heights of the GPU backend", bytes, 0)?;
+        let first = self.texels.len() as u32;
+        self.texels.extend_from_slice(map.texels());
+        self.maps.push((map, first));
+        Ok(first)
     }
 }
 

@@ -498,6 +498,7 @@ fn differing(surface: &Surface, blocks: &[ReadBlock]) -> (usize, usize) {
         compared += a.len();
         differ += a.iter().zip(&b).filter(|(a, b)| a != b).count();
     }
+    assert!(compared > 0, "no points are shared");
     (differ, compared)
 }
 

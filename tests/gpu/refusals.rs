@@ -164,6 +164,15 @@ fn a_callers_device_gives_errors() {
     let theirs = Gpu::of_device(&device, &queue);
     let scene = plain(asset("cube", SurfaceOptions::default()));
     let camera = Camera::default();
+    // One that binds fewer buffers than a stage needs.
+    let few = wgpu::DeviceDescriptor::default();
+    let (few, few_queue) = pollster::block_on(adapter.request_device(&few)).unwrap();
+    let few = Gpu::of_device(&few, &few_queue);
+    let refused = GpuScene::new(&few, &uniform(64, 64, 2), &scene, &camera);
+    assert!(
+        matches!(&refused, Err(GpuError::Unsupported { what }) if what.contains("storage buffers")),
+        "{refused:?}"
+    );
     // Larger than its largest buffer.
     let most = asked.required_limits.max_buffer_size;
     let large = uniform(8192, (most / (4 * 8192) + 1) as u32, 1);

@@ -132,7 +132,7 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
         // Relief does not say which side is seen.
         seen = side_seen(n, seen, to_eye);
     }
-    if is_relief {
+    if is_relief && frame.mode != FLAT {
         n = tilted(material, n, along, across, uv, side);
     }
     if frame.mode == LIT || frame.mode == FLAT {
