@@ -263,31 +263,31 @@ fn tessellated_pictures_are_the_processors() {
     println!("gpu tessellated pictures: {run} cases");
 }
 
-/// Triangles have one tone each: a sample that shows another triangle shows it.
+/// Samples that show another triangle than the processor's, and all that show any: triangles have one tone each.
+pub(crate) fn other_triangles(gpu: &Gpu, scene: &Scene, level: u32) -> [usize; 2] {
+    let mut renderer = uniform(256, 256, level);
+    renderer.size.samples = 1;
+    renderer.mode = ShadeMode::Flat;
+    let camera = Camera::default();
+    let want = renderer.render(scene, &camera).unwrap().image;
+    let got = draw(gpu, &renderer, scene, &camera);
+    let pixels = got.data.chunks_exact(4).zip(want.data.chunks_exact(4));
+    let seen = pixels.filter(|(a, b)| a[3] != 0 || b[3] != 0);
+    let found: Vec<bool> = seen
+        .map(|(a, b)| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1))
+        .collect();
+    [found.iter().filter(|&&d| d).count(), found.len()]
+}
+
 #[test]
 fn samples_show_the_processors_triangles() {
     let Some(gpu) = gpu("triangles") else { return };
     let (mut run, mut samples, mut others) = (0, 0, 0);
     for (name, level) in [("creature", 3), ("part", 3), ("torus", 4), ("fan24", 2)] {
         let scene = plain(asset(name, SurfaceOptions::default()));
-        let mut renderer = uniform(256, 256, level);
-        renderer.size.samples = 1;
-        renderer.mode = ShadeMode::Flat;
-        let camera = Camera::default();
-        let want = renderer.render(&scene, &camera).unwrap().image;
-        let got = draw(&gpu, &renderer, &scene, &camera);
-        let pixels = got.data.chunks_exact(4).zip(want.data.chunks_exact(4));
-        let seen = pixels.filter(|(a, b)| a[3] != 0 || b[3] != 0);
-        let found: Vec<bool> = seen
-            .map(|(a, b)| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1))
-            .collect();
-        let differ = found.iter().filter(|&&d| d).count();
-        assert!(
-            differ * 1000 <= found.len(),
-            "{name}: {differ} of {}",
-            found.len()
-        );
-        samples += found.len();
+        let [differ, seen] = other_triangles(&gpu, &scene, level);
+        assert!(differ * 1000 <= seen, "{name}: {differ} of {seen}");
+        samples += seen;
         others += differ;
         run += 1;
     }

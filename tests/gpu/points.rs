@@ -108,7 +108,7 @@ fn compare_with(
 
 /// Corners of faces where a surface has no normal, because derivatives have one direction: both sides run along one smooth crease, or under
 /// the bilinear rule along one line.
-fn flat_corners(surface: &Surface) -> usize {
+pub(crate) fn flat_corners(surface: &Surface) -> usize {
     let t = surface.topology();
     let is_sharp = |h: u32| t.edge_sharpness(t.edge(h)) >= INFINITE_SHARPNESS;
     let mut sharp_edges = vec![0; t.vertex_count()];
@@ -249,8 +249,7 @@ fn quadratic_patches_are_the_processors() {
             let flat = flat_corners(surface);
             got.check(&format!("{name} at level {level}"), flat..=flat + most);
             if scheme == Scheme::CatmullClark {
-                let (differ, compared) = differing(surface, &found);
-                assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
+                assert_shared(surface, &found, &format!("{name} at level {level}"));
             }
             (far, turned) = (far.max(distance), turned.max(angle));
             run += 1;
@@ -295,8 +294,7 @@ fn pn_triangles_are_the_processors() {
             got.check(&format!("{name} at level {level}"), 0..=0);
             assert!(angle <= 0.05, "{name} at level {level}: {angle} degrees");
             if scheme == Scheme::CatmullClark && level < 6 {
-                let (differ, compared) = differing(surface, &found);
-                assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
+                assert_shared(surface, &found, &format!("{name} at level {level}"));
             }
             (far, turned) = (far.max(distance), turned.max(angle));
             run += 1;
@@ -384,8 +382,7 @@ fn displaced_points_are_the_processors() {
             let odd = flat_corners(surface) + got.points / 20_000;
             assert!(far_off <= odd, "{name} {by}: {far_off} of {odd}");
             if scheme != Loop {
-                let (differ, compared) = differing(surface, &found);
-                assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
+                assert_shared(surface, &found, &format!("{name} at level {level}"));
             }
             (far, turned) = (far.max(distance), turned.max(angle));
             run += 1;
@@ -502,6 +499,13 @@ fn differing(surface: &Surface, blocks: &[ReadBlock]) -> (usize, usize) {
     (differ, compared)
 }
 
+/// Points that faces share have the same bits; returns how many there are.
+fn assert_shared(surface: &Surface, blocks: &[ReadBlock], what: &str) -> usize {
+    let (differ, compared) = differing(surface, blocks);
+    assert_eq!(differ, 0, "{what}: {differ} of {compared}");
+    compared
+}
+
 #[test]
 fn shared_points_have_the_same_bits() {
     let Some(gpu) = gpu("shared points") else {
@@ -521,10 +525,8 @@ fn shared_points_have_the_same_bits() {
         for gpu in [&gpu, &chunked] {
             for level in [2, 4] {
                 let found = blocks(gpu, &scene, level);
-                let (differ, compared) = differing(&scene.objects[0].surface, &found);
-                assert!(compared > 0);
-                assert_eq!(differ, 0, "{name} at level {level}: {differ} of {compared}");
-                total += compared;
+                let what = format!("{name} at level {level}");
+                total += assert_shared(&scene.objects[0].surface, &found, &what);
                 run += 1;
             }
         }
