@@ -33,6 +33,15 @@ impl Shape {
             false => Self::Square,
         }
     }
+
+    /// Of its square at a place.
+    pub(super) fn part(self, [x, y]: [u32; 2]) -> Self {
+        match self {
+            Self::Triangle if x == y => Self::Triangle,
+            _ => Self::Square,
+        }
+    }
+
     /// Number of sides.
     pub(super) fn sides(self) -> usize {
         match self {
@@ -89,10 +98,7 @@ impl Node {
     }
     /// Its own shape in a face.
     pub(super) fn shape(&self, face: Shape) -> Shape {
-        match face {
-            Shape::Triangle if self.place[0] == self.place[1] => Shape::Triangle,
-            _ => Shape::Square,
-        }
+        face.part(self.place())
     }
     pub(super) fn depth(&self) -> u32 {
         u32::from(self.depth)

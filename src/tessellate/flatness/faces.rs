@@ -2,6 +2,7 @@
 
 use super::closed::{self, Told};
 use super::edges::{Face, Lines, Own, halves};
+use super::levels::{DEEPER, Levels, RESAMPLED};
 use super::screen::Metric;
 use super::surplus::{Square as Sampled, Surplus};
 use crate::dice::face::{Part as Square, Sides};
@@ -14,18 +15,11 @@ use crate::tessellate::blocks::{Needs, Part};
 use crate::tessellate::quadtree::{MAX_LOG, Quadtree, Shape};
 use rayon::prelude::*;
 
-/// What a block costs beside its micro-quads, in micro-quads. Drawn, it costs about 20; fewer triangles are worth the difference (measured:
-/// a third fewer for a twentieth more of a frame's time).
-const OVERHEAD: u32 = 6;
-
-/// Depth below a sampled square at which its parts are sampled on their own.
-const RESAMPLED: u32 = 3;
-
 /// Samples along the side of a face, one after the other while they do not tell enough, as powers of two.
 const LOGS: [u32; 4] = [2, 3, 4, MAX_LOG];
 
 /// In place of the first of them where nothing has to be sampled.
-const FLAT: u32 = 0;
+const FLAT: u8 = 0;
 
 /// How many times as far as is allowed two triangles are, by the bound, of faces for which the first number of samples will not do.
 const ROUGH: f32 = 8.0;
@@ -33,8 +27,8 @@ const ROUGH: f32 = 8.0;
 /// Samples, as a power of two, whose last step is trusted to say what the next one adds; of fewer, the next one is looked at.
 const TRUSTED: u32 = 3;
 
-/// Need of a square whose samples do not tell.
-const DEEPER: u32 = MAX_LOG + 1;
+/// Steps that are looked at beyond the last one that is wanted, at irregular corners.
+const UNEVEN: u32 = 2;
 
 /// Says which faces `is_drawn` (it gets the quad and points whose hull holds it) and finds what those and their neighbours need.
 pub(super) fn needs(
@@ -47,6 +41,7 @@ pub(super) fn needs(
     let quads = surface.whole_quads();
     let faces = quads.face_count();
     let mut plans = vec![None; faces];
+    let seen = metric.seen();
     plans.par_chunks_mut(CHUNK).enumerate().try_for_each_init(
         || (QuadPatch::for_level(simd), Vec::new()),
         |(patch, hull), (k, plans)| {
@@ -61,7 +56,11 @@ pub(super) fn needs(
                     None if metric.reach.always => table_box(patch, metric.reach.level, hull),
                     None => patch.hull(|p| hull.push(p)),
                 }
-                *plan = is_drawn(q, hull).then(|| first_log(metric, spline.as_ref()) as u8);
+                let inside = hull.iter().all(|&p| metric.outside(seen.point(p)) == 0);
+                *plan = is_drawn(q, hull).then(|| Plan {
+                    log: first_log(metric, spline.as_ref()),
+                    inside,
+                });
             }
             Ok(())
         },
@@ -81,7 +80,7 @@ pub(super) fn needs(
                 let (mut out, mut own) = (Part::default(), Own::new());
                 for q in k * CHUNK..((k + 1) * CHUNK).min(faces) {
                     if near(q) {
-                        worker.face(q as u32, plans[q].map(u32::from));
+                        worker.face(q as u32, plans[q]);
                         worker.edges(&drawn, q as u32, &mut own);
                         out.nodes.extend_from_slice(&worker.tree.nodes);
                     }
@@ -102,11 +101,11 @@ pub(super) fn needs(
 }
 
 /// How many samples a face begins with, as a power of two, if it is this spline or none.
-fn first_log(metric: &Metric<'_>, spline: Option<&Spline>) -> u32 {
+fn first_log(metric: &Metric<'_>, spline: Option<&Spline>) -> u8 {
     match spline.map(|s| closed::tell(metric, s)) {
         Some(Told::Flat) => FLAT,
-        Some(Told::Far(times)) if times.is_finite() && times > ROUGH => LOGS[1],
-        _ => LOGS[0],
+        Some(Told::Far(times)) if times.is_finite() && times > ROUGH => LOGS[1] as u8,
+        _ => LOGS[0] as u8,
     }
 }
 
@@ -134,6 +133,22 @@ fn table_box(patch: &QuadPatch, reach: u32, out: &mut Vec<[f32; 3]>) {
     out.extend((0..8).map(|c| [0, 1, 2].map(|k| corner(c, k))));
 }
 
+/// What is known of a face that may be seen before it is sampled.
+#[derive(Clone, Copy)]
+struct Plan {
+    /// How many samples to begin with, as a power of two, or [`FLAT`].
+    log: u8,
+    /// Whether all of it is in the picture.
+    inside: bool,
+}
+
+/// What samples of a square say.
+enum Found {
+    Known,
+    /// They may leave out more of a displacement than is allowed, however many they are.
+    Unseen,
+}
+
 /// Buffers of one thread.
 struct Worker<'a, F> {
     surface: &'a Surface,
@@ -146,8 +161,10 @@ struct Worker<'a, F> {
     normals: Box<Grid3>,
     tree: Quadtree,
     surplus: Surplus,
-    levels: Levels,
-    /// Sides of the picture that samples are beyond, row by row, and points of a hull.
+    /// Levels that are not in use.
+    spare: Vec<Levels>,
+    /// Whether all of the face is in the picture; if not, sides of the picture that samples are beyond, row by row, and points of a hull.
+    inside: bool,
     outside: Vec<u8>,
     hull: Vec<[f32; 3]>,
     lines: Lines,
@@ -155,80 +172,6 @@ struct Worker<'a, F> {
     is_flat: bool,
     /// Which of its corners are irregular.
     irregular: [bool; 4],
-}
-
-/// Mark of a square that cannot be in the picture, beside its level.
-const HIDDEN: u8 = 0x80;
-
-/// Levels below a sampled square that its parts need, depth by depth.
-#[derive(Default)]
-struct Levels(Vec<u8>);
-
-impl Levels {
-    fn index(depth: u32, x: u32, y: u32) -> usize {
-        ((4_usize.pow(depth) - 1) / 3) + ((y as usize) << depth) + x as usize
-    }
-    fn get(&self, depth: u32, x: u32, y: u32) -> u32 {
-        u32::from(self.0[Self::index(depth, x, y)] & !HIDDEN)
-    }
-    fn set(&mut self, [depth, x, y]: [u32; 3], value: u8) {
-        let at = Self::index(depth, x, y);
-        if self.0.len() <= at {
-            self.0.resize(at + 1, 0);
-        }
-        self.0[at] = value;
-    }
-    /// Says that a square cannot be in the picture.
-    fn hide(&mut self, at: [u32; 3]) {
-        self.set(at, at[0] as u8 | HIDDEN);
-    }
-    fn is_hidden(&self, [depth, x, y]: [u32; 3]) -> bool {
-        let value = self.0.get(Self::index(depth, x, y));
-        value.is_some_and(|v| v & HIDDEN != 0)
-    }
-
-    /// Children of square (`x`, `y`) that are not void.
-    fn children(s: Shape, x: u32, y: u32) -> impl Iterator<Item = [u32; 2]> {
-        let all = (0..4).map(move |k| [2 * x + (k & 1), 2 * y + (k >> 1)]);
-        all.filter(move |[x, y]| s == Shape::Square || y <= x)
-    }
-
-    /// Finds what a square of the samples needs; `cap` is what it may have.
-    fn find(&mut self, s: &Sampled, surplus: &Surplus, cap: u32, [depth, x, y]: [u32; 3]) -> u32 {
-        if self.is_hidden([depth, x, y]) {
-            return depth;
-        }
-        let need = if depth >= cap || !surplus.is_far(s, depth, [x, y]) {
-            depth
-        } else if depth >= s.log {
-            DEEPER
-        } else {
-            let mut need = 0;
-            for [x, y] in Self::children(s.shape, x, y) {
-                need = need.max(self.find(s, surplus, cap, [depth + 1, x, y]));
-            }
-            need
-        };
-        self.set([depth, x, y], need as u8);
-        need
-    }
-
-    /// Micro-quads of a square as one block.
-    fn whole(&self, s: Shape, depth: u32, x: u32, y: u32) -> u32 {
-        let quads = 1 << (2 * (self.get(depth, x, y) - depth));
-        let half = s == Shape::Triangle && x == y;
-        (if half { quads / 2 } else { quads }) + OVERHEAD
-    }
-
-    /// Micro-quads of the cheapest way to cut a square into blocks.
-    fn cost(&self, s: Shape, depth: u32, x: u32, y: u32) -> u32 {
-        let whole = self.whole(s, depth, x, y);
-        if self.get(depth, x, y) < depth + 2 || depth >= RESAMPLED {
-            return whole;
-        }
-        let parts = Self::children(s, x, y).map(|[x, y]| self.cost(s, depth + 1, x, y));
-        whole.min(parts.sum())
-    }
 }
 
 impl<'a, F: Fn(u32, &mut Vec<[f32; 3]>) -> bool> Worker<'a, F> {
@@ -243,7 +186,8 @@ impl<'a, F: Fn(u32, &mut Vec<[f32; 3]>) -> bool> Worker<'a, F> {
             normals: Grid3::boxed(),
             tree: Quadtree::new(Shape::of(surface), metric.reach.squares),
             surplus: Surplus::new(simd),
-            levels: Levels::default(),
+            spare: Vec::new(),
+            inside: false,
             outside: Vec::new(),
             hull: Vec::new(),
             lines: Lines::default(),
@@ -252,16 +196,17 @@ impl<'a, F: Fn(u32, &mut Vec<[f32; 3]>) -> bool> Worker<'a, F> {
         }
     }
 
-    /// Leaves in `tree` what face `q` needs; `log` is how many samples to begin with, and none for a face that is not drawn.
-    fn face(&mut self, q: u32, log: Option<u32>) {
+    /// Leaves in `tree` what face `q` needs; there is no plan for a face that is not drawn.
+    fn face(&mut self, q: u32, plan: Option<Plan>) {
         self.tree.clear();
         self.prepared = None;
-        self.is_flat = log == Some(FLAT);
-        match log {
-            Some(FLAT) => {}
-            Some(log) => {
+        self.is_flat = plan.is_some_and(|p| p.log == FLAT);
+        match plan {
+            Some(Plan { log: FLAT, .. }) => {}
+            Some(Plan { log, inside }) => {
+                self.inside = inside;
                 self.irregular = self.surface.irregular_corners(q);
-                self.grow(q, 0, log);
+                self.grow(q, 0, u32::from(log));
             }
             None => {
                 self.tree.hide(0);
@@ -287,11 +232,103 @@ impl<'a, F: Fn(u32, &mut Vec<[f32; 3]>) -> bool> Worker<'a, F> {
         face.split(self.metric, &mut self.lines, &mut self.surplus, patch, out);
     }
 
-    /// Samples leaf `node` by `2^log` segments and cuts it up as far as it needs.
+    /// Samples leaf `node` by `2^log` segments and more, and cuts it up as far as it needs.
     fn grow(&mut self, q: u32, node: usize, log: u32) {
         let (depth, place) = (self.tree.nodes[node].depth(), self.tree.nodes[node].place());
-        let deepest = self.metric.reach.level;
-        let log = log.min(deepest - depth);
+        let mut levels = self.spare.pop().unwrap_or_default();
+        let deepest = self.metric.reach.level.min(depth + MAX_LOG);
+        match self.measure(q, (depth, place), (log, deepest), &mut levels) {
+            Found::Known if levels.is_hidden([0; 3]) => self.tree.hide(node),
+            Found::Unseen if depth < self.tree.deepest => {
+                let first = self.tree.split(node);
+                let shape = self.tree.nodes[node].shape(self.tree.face);
+                for [x, y] in Levels::children(shape, 0, 0) {
+                    self.grow(q, first + (x + 2 * y) as usize, MAX_LOG);
+                }
+            }
+            Found::Known | Found::Unseen => {
+                let shape = self.tree.nodes[node].shape(self.tree.face);
+                self.cut(q, node, &levels, shape, [0, 0, 0]);
+            }
+        }
+        self.spare.push(levels);
+    }
+
+    /// Finds what a square of the face needs by `2^log` segments a side, and by more while they do not tell and are at most of level `deepest`.
+    fn measure(
+        &mut self,
+        q: u32,
+        (depth, place): (u32, [u32; 2]),
+        (log, deepest): (u32, u32),
+        levels: &mut Levels,
+    ) -> Found {
+        let cap = self.metric.max_level.saturating_sub(depth);
+        let mut log = log.min(deepest - depth);
+        loop {
+            let (sampled, hides) = self.sample(q, (depth, place), log, levels);
+            if levels.is_hidden([0; 3]) {
+                return Found::Known;
+            }
+            let need = levels.find(&sampled, &self.surplus, cap, [0, 0, 0]);
+            // A few samples tell enough of what needs next to nothing; towards an irregular corner steps add nearly as much as the one
+            // before, so two are looked at.
+            let next = u32::from(log < TRUSTED);
+            let is_uneven = sampled.irregular.contains(&true);
+            let told = need + if is_uneven { UNEVEN } else { next } <= log;
+            let is_last = depth + log >= deepest;
+            if !hides && (told || is_last) {
+                return Found::Known;
+            }
+            // Where all but the irregular corners is told, their quarters alone are sampled further.
+            let parts = is_uneven && !hides && log >= LOGS[1] && !self.metric.reach.always;
+            let parts = parts && depth + 1 + LOGS[1] <= deepest;
+            if parts && levels.beside(sampled.shape, sampled.irregular) + next <= log {
+                self.measure_corners(q, (depth, place), deepest, &sampled, levels);
+                return Found::Known;
+            }
+            let promising = match hides {
+                true => 0,
+                false => self.surplus.promising(&sampled),
+            };
+            let more = LOGS.into_iter().find(|&l| l > log && l >= promising);
+            match more {
+                Some(more) if !is_last => log = more.min(deepest - depth),
+                _ if hides && depth + log < self.metric.max_level => return Found::Unseen,
+                _ => return Found::Known,
+            }
+        }
+    }
+
+    /// Measures the quarters of a square at irregular corners by samples of their own.
+    fn measure_corners(
+        &mut self,
+        q: u32,
+        (depth, place): (u32, [u32; 2]),
+        deepest: u32,
+        sampled: &Sampled,
+        levels: &mut Levels,
+    ) {
+        let quarters = [[0, 0], [1, 0], [1, 1], [0, 1]];
+        for (c, at) in quarters.into_iter().enumerate() {
+            if sampled.irregular[c] && !levels.is_hidden([1, at[0], at[1]]) {
+                let mut inner = self.spare.pop().unwrap_or_default();
+                let place = [0, 1].map(|k| 2 * place[k] + at[k]);
+                self.measure(q, (depth + 1, place), (LOGS[1], deepest), &mut inner);
+                levels.insert(sampled.shape, at, &inner);
+                self.spare.push(inner);
+            }
+        }
+    }
+
+    /// Samples a square of the face by `2^log` segments a side, and says in `levels` what of it cannot be in the picture; whether the displaced
+    /// surface may leave the samples unseen by more than is allowed.
+    fn sample(
+        &mut self,
+        q: u32,
+        (depth, place): (u32, [u32; 2]),
+        log: u32,
+        levels: &mut Levels,
+    ) -> (Sampled, bool) {
         let level = depth + log;
         if self.prepared.is_none_or(|(have, _)| have < level) {
             // Sides by their own rule are wanted only where they are sampled.
@@ -320,62 +357,26 @@ impl<'a, F: Fn(u32, &mut Vec<[f32; 3]>) -> bool> Worker<'a, F> {
             Some(&mut self.normals),
         );
         let hides = self.hides(part);
-        let shape = self.tree.nodes[node].shape(self.tree.face);
+        let shape = self.tree.face.part(place);
         self.surplus
             .grid(self.metric, (log, shape), &mut self.points, &self.normals);
         let last = (1 << depth) - 1;
         let corners = [[0, 0], [last, 0], [last, last], [0, last]].map(|c| c == place);
+        levels.clear();
+        self.find_hidden(q, (part, shape), levels);
         let sampled = Sampled {
             log,
             shape,
             corners,
             irregular: [0, 1, 2, 3].map(|c| corners[c] && self.irregular[c]),
         };
-        let cap = self.metric.max_level.saturating_sub(depth);
-        let mut levels = std::mem::take(&mut self.levels);
-        levels.0.clear();
-        self.find_hidden(q, (part, shape), &mut levels);
-        if levels.is_hidden([0; 3]) {
-            self.levels = levels;
-            self.tree.hide(node);
-            return;
-        }
-        let need = levels.find(&sampled, &self.surplus, cap, [0, 0, 0]);
-        // A few samples tell enough of what needs next to nothing.
-        let promising = match hides {
-            true => 0,
-            false => self.surplus.promising(&sampled),
-        };
-        let more = LOGS.into_iter().find(|&l| l > log && l >= promising);
-        // Towards an irregular corner steps add nearly as much as the one before: two are looked at.
-        let ahead = match sampled.irregular.contains(&true) {
-            true => 2,
-            false => u32::from(log < TRUSTED),
-        };
-        let told = need + ahead <= log;
-        match more.filter(|_| (!told || hides) && level < deepest) {
-            Some(more) => {
-                self.levels = levels;
-                self.grow(q, node, more);
-            }
-            None if hides && level < self.metric.max_level && depth < self.tree.deepest => {
-                self.levels = levels;
-                let first = self.tree.split(node);
-                for [x, y] in Levels::children(sampled.shape, 0, 0) {
-                    self.grow(q, first + (x + 2 * y) as usize, MAX_LOG);
-                }
-            }
-            None => {
-                self.cut(q, node, &levels, sampled.shape, [0, 0, 0]);
-                self.levels = levels;
-            }
-        }
+        (sampled, hides)
     }
 
     /// Says which squares of the samples cannot be in the picture: beyond one of its sides by their points, and by their hulls.
     fn find_hidden(&mut self, q: u32, (part, shape): (Square, Shape), levels: &mut Levels) {
         // Tables have no hulls of parts.
-        if self.metric.reach.always {
+        if self.metric.reach.always || self.inside {
             return;
         }
         let side = part.segments as usize + 1;
@@ -443,20 +444,23 @@ impl<'a, F: Fn(u32, &mut Vec<[f32; 3]>) -> bool> Worker<'a, F> {
 
     /// Cuts leaf `node`, square (`x`, `y`) at `depth` of samples over a square of shape `s`, into blocks.
     fn cut(&mut self, q: u32, node: usize, needs: &Levels, s: Shape, [depth, x, y]: [u32; 3]) {
-        let need = needs.get(depth, x, y);
+        let at = [depth, x, y];
         let own = self.tree.nodes[node].depth();
         let smallest = own >= self.tree.deepest;
-        if need < DEEPER && (smallest || needs.cost(s, depth, x, y) >= needs.whole(s, depth, x, y))
-        {
-            match needs.is_hidden([depth, x, y]) {
+        let need = needs.get(at);
+        if need < DEEPER && (smallest || needs.is_whole(s, at)) {
+            match needs.is_hidden(at) {
                 true => self.tree.hide(node),
                 false => self.tree.set_need(node, own + (need - depth)),
             }
             return;
         }
         // The smallest squares are sampled as deep as can be.
-        if depth >= RESAMPLED || (smallest && depth > 0) {
+        if smallest && depth > 0 {
             return self.grow(q, node, MAX_LOG);
+        }
+        if depth >= RESAMPLED {
+            return self.grow(q, node, LOGS[1]);
         }
         let first = self.tree.split(node);
         for [cx, cy] in Levels::children(s, x, y) {

@@ -12,6 +12,7 @@
 mod closed;
 mod edges;
 mod faces;
+mod levels;
 mod screen;
 mod surplus;
 

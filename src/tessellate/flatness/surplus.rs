@@ -20,9 +20,13 @@ const DOT: f32 = 0.45;
 /// By how much more than two steps the later ones may add at an irregular corner.
 const UNEVEN: f32 = 1.3;
 
-/// Points with a surplus in each direction of step `k`, `2^k + 1` in a row like the cells' corners, the last of a row or column without meaning.
+/// Planes are whole vectors of any width.
+const LANES: usize = 16;
+
+/// Points with a surplus in each direction of step `k`, `2^k + 1` in a row like the cells' corners, the last of a row or column without meaning,
+/// and what is beyond the last row.
 const fn plane(k: u32) -> usize {
-    ((1 << k) + 1) * ((1 << k) + 1)
+    (((1 << k) + 1) * ((1 << k) + 1_usize)).next_multiple_of(LANES)
 }
 
 /// Where step `k` of a square begins: planes of what splits edges along u, along v, and diagonals, step by step.
@@ -52,6 +56,8 @@ pub(super) struct Surplus {
     found: [Vec<f32>; 3],
     /// What step `k` adds to each of the `2^k` by `2^k` cells, step by step.
     cells: Vec<Added>,
+    /// The most that step `k` adds anywhere, distance or bend.
+    most: [f32; MAX_LOG as usize + 1],
 }
 
 /// What a step adds to a cell or segment.
@@ -110,6 +116,16 @@ pub(super) struct Square {
 }
 
 impl Square {
+    /// How much of what a step may add to cell (`x`, `y`) of the `2^k` by `2^k` beyond the samples it is expected to add. At an irregular vertex,
+    /// where parameters run unevenly, that is nearly all of it at a high valence; at any corner of a face there may be a feature that the
+    /// samples do not know.
+    pub(super) fn left(&self, k: u32, at: [u32; 2]) -> f32 {
+        match self.is_at(self.corners, k, at) {
+            true => 1.0,
+            false => LEFT,
+        }
+    }
+
     /// Whether cell (`x`, `y`) of the `2^k` by `2^k` is at one of some corners.
     fn is_at(&self, corners: [bool; 4], k: u32, at: [u32; 2]) -> bool {
         let last = (1 << k) - 1;
@@ -127,6 +143,7 @@ impl Surplus {
             phases: Default::default(),
             found: Default::default(),
             cells: Vec::new(),
+            most: Default::default(),
         }
     }
 
@@ -167,6 +184,7 @@ impl Surplus {
     fn gather_cells(&mut self, k: u32) {
         let (n, row, size) = (1_usize << k, (1_usize << k) + 1, plane(k));
         let (first, at) = (BEFORE[k as usize], first_cell(k));
+        self.most[k as usize] = 0.0;
         for y in 0..n {
             let out = &mut self.cells[at + y * n..at + (y + 1) * n];
             let edges = |c: usize| {
@@ -177,13 +195,16 @@ impl Surplus {
             };
             let ([fa, fb, fc, fd, fe], [ba, bb, bc, bd, be], [la, lb, lc, ld, le]) =
                 (edges(0), edges(1), edges(2));
+            let mut all = 0.0_f32;
             for x in 0..n {
                 let most = |a: f32, b: f32, c: f32, d: f32, e: f32| a.max(b).max(c.max(d)).max(e);
                 let far = most(fa[x], fb[x], fc[x], fd[x], fe[x]);
                 let bend = most(ba[x], bb[x], bc[x], bd[x], be[x]);
                 let length = most(la[x], lb[x], lc[x], ld[x], le[x]);
                 out[x] = Added { far, bend, length };
+                all = all.max(far.max(bend));
             }
+            self.most[k as usize] = self.most[k as usize].max(all);
         }
     }
 
@@ -306,28 +327,39 @@ impl Surplus {
         log
     }
 
-    /// Whether cell (`x`, `y`) of the `2^k` by `2^k` of a square is too far from the surface.
-    pub(super) fn is_far(&self, square: &Square, k: u32, at: [u32; 2]) -> bool {
-        let shape = square.shape;
-        if k >= self.log {
-            // No samples inside: what the cell twice as large leaves. At an irregular vertex, where parameters run unevenly, that is nearly
-            // all of it at a high valence; at any corner of a face there may be a feature that the samples do not know.
-            let left = match square.is_at(square.corners, k, at) {
-                true => 1.0,
-                false => LEFT,
-            };
-            if k == 0 {
-                return false;
-            }
-            // Where normals turn fast, a step may add nothing by chance: those beside it add something.
-            let near = |c: u32| (c / 2).saturating_sub(1)..=(c / 2 + 1).min((1 << (k - 1)) - 1);
-            let cells = near(at[1]).flat_map(|y| near(at[0]).map(move |x| [x, y]));
-            let cells = cells.filter(|[x, y]| shape == Shape::Square || y <= x);
-            let added = cells.map(|c| self.of_cell(k - 1, c));
-            let added = added.fold(Added::default(), Added::max);
-            let length = 0.5 * self.of_cell(k - 1, at.map(|c| c / 2)).length;
-            return added.of(length) * left > 1.0;
+    /// Whether no cell of the `2^k` by `2^k` can be too far, whatever its corners are.
+    fn is_quiet(&self, k: u32) -> bool {
+        let most = |k: u32| self.most[k as usize];
+        if k == self.log {
+            return most(k - 1) <= 1.0;
         }
+        match k + 1 < self.log {
+            true => most(k) <= 1.0 && UNEVEN * (0.5 * most(k) + most(k + 1)) <= 1.0,
+            false => 2.0 * most(k) <= 1.0,
+        }
+    }
+
+    /// What the step after the last may add to the quarters of cell (`x`, `y`) of that, if it left none of it out.
+    pub(super) fn beyond(&self, square: &Square, at: [u32; 2]) -> f32 {
+        let k = self.log - 1;
+        if self.is_quiet(self.log) {
+            return 0.0;
+        }
+        // Where normals turn fast, a step may add nothing by chance: those beside it add something.
+        let near = |c: u32| c.saturating_sub(1)..=(c + 1).min((1 << k) - 1);
+        let cells = near(at[1]).flat_map(|y| near(at[0]).map(move |x| [x, y]));
+        let cells = cells.filter(|[x, y]| square.shape == Shape::Square || y <= x);
+        let added = cells.map(|c| self.of_cell(k, c));
+        let added = added.fold(Added::default(), Added::max);
+        added.of(0.5 * self.of_cell(k, at).length)
+    }
+
+    /// Whether cell (`x`, `y`) of the `2^k` by `2^k` of a square is too far from the surface; `k` is a step of the samples.
+    pub(super) fn is_far(&self, square: &Square, k: u32, at: [u32; 2]) -> bool {
+        if self.is_quiet(k) {
+            return false;
+        }
+        let shape = square.shape;
         let own = self.of_cell(k, at);
         let irregular = square.is_at(square.irregular, k, at);
         if k + 1 == self.log {
@@ -350,7 +382,7 @@ fn split(n: usize, samples: &[f32], stride: usize, phases: [&mut Vec<f32>; 4]) {
     let row = n + 1;
     let [a, b, c, d] = phases.map(|p| {
         // What the last of a plane are split with lies beyond its end.
-        p.resize(row * row + n + 2, 0.0);
+        p.resize((row * row).next_multiple_of(LANES) + n + 2, 0.0);
         &mut p[..row * row]
     });
     for y in 0..=2 * n {
@@ -372,7 +404,9 @@ fn split(n: usize, samples: &[f32], stride: usize, phases: [&mut Vec<f32>; 4]) {
 #[inline(always)]
 fn transform(seen: &Seen, n: usize, points: &mut Grid3) {
     for j in 0..=n {
-        let row = j * BLOCK_STRIDE..j * BLOCK_STRIDE + n + 1;
+        // Whole vectors; nothing beyond the last column is looked at.
+        let columns = (n + 1).next_multiple_of(LANES).min(BLOCK_STRIDE);
+        let row = j * BLOCK_STRIDE..j * BLOCK_STRIDE + columns;
         let (x, y) = (&mut points.x[row.clone()], &mut points.y[row.clone()]);
         let z = &mut points.z[row][..x.len()];
         let y = &mut y[..x.len()];
@@ -405,6 +439,6 @@ mod tests {
 
     #[test]
     fn steps_lie_one_after_the_other() {
-        assert_eq!(BEFORE[..4], [0, 12, 39, 114]);
+        assert_eq!(BEFORE[..4], [0, 48, 96, 192]);
     }
 }
