@@ -74,7 +74,7 @@ fn miscounted(tile: &Tile<Coverage>, bounds: [i32; 4]) -> (u64, u64) {
 }
 
 fn coverage_tile(samples: u32) -> Tile<Coverage> {
-    let side = tile_side(samples);
+    let side = tile_side(samples, false);
     Tile::new(37, 21, side, side, samples)
 }
 
@@ -240,7 +240,7 @@ fn closed_surfaces_balance() {
     let (mut checked, mut covered, mut clipped) = (0_u64, 0_u64, 0);
     for scene in 0..120 {
         let samples = [1, 4, 8, 16][scene % 4];
-        let tile_side = tile_side(samples);
+        let tile_side = tile_side(samples, false);
         let n = [6, 20, 70, 200][random.below(4) as usize];
         let sheet = torus(&mut random, n, n, [0.0, 0.02, 0.3][scene % 3]);
         let eye = [0, 1, 2]

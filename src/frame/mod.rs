@@ -362,10 +362,11 @@ impl Renderer {
         if self.is_flat(scene) {
             shader = shader.with_folds();
         }
+        let side = tile_side(size.samples, sources.iter().any(Source::is_costly));
         let mut frame = Frame {
             view: *view,
             size,
-            grid: TileGrid::new(size, tile_side(size.samples)),
+            grid: TileGrid::new(size, side),
             bins: Bins::default(),
             boxes: Vec::new(),
             seen: Vec::new(),
@@ -400,7 +401,7 @@ impl Renderer {
         stats.wall[0] = begin.elapsed();
         self.limits.memory(
             "the bins of the tiles",
-            bin_bytes(&boxes, &frame.grid, tile_side(size.samples)),
+            bin_bytes(&boxes, &frame.grid, side),
         )?;
         let begin = Instant::now();
         frame.bins = Bins::new(&frame.grid, &boxes);

@@ -92,7 +92,7 @@ impl FreeLines {
         picture: [f64; 2],
         limits: &Limits,
     ) -> Result<Self, LimitError> {
-        let squares = Squares::new([0.0; 2], picture, f64::from(tile_side(1)));
+        let squares = Squares::new([0.0; 2], picture, f64::from(tile_side(1, false)));
         let each = |k: usize, visit: &mut dyn FnMut(usize)| {
             let line: &FreeLine = &lines[k];
             let (segment, stretch) = (&line.segment, [0.0, 1.0]);

@@ -15,14 +15,16 @@ pub(super) const APRON: usize = LANES;
 /// More cells than there are from any to the next cache line.
 const LINE: usize = 8;
 
-/// Side in pixels of the tiles that frames are cut into. It trades blocks diced twice at tile borders against the cache; it never
-/// changes a pixel.
+/// Side in pixels of the tiles that frames are cut into. It trades blocks diced twice at tile borders against the cache, so tiles are larger
+/// where dicing costs more than the samples of a tile; it never changes a pixel.
 #[must_use]
-pub fn tile_side(samples: u32) -> u32 {
-    match samples {
-        0..=1 => 256,
-        2..=4 => 128,
-        _ => 64,
+pub fn tile_side(samples: u32, is_costly: bool) -> u32 {
+    match (samples, is_costly) {
+        (0..=1, _) => 256,
+        (2..=4, false) => 128,
+        (2..=4, true) => 256,
+        (_, false) => 64,
+        (_, true) => 128,
     }
 }
 
