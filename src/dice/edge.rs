@@ -13,7 +13,7 @@
 use super::basis::{Basis, Target};
 use super::net::Net;
 use super::point::P4;
-use super::regular::{LANES, Lanes3, blend, mix3, one_by_one, take, unit_lanes, unit_of, weights};
+use super::regular::{LANES, Lanes3, blend, mix3, one_by_one, unit_lanes, unit_of};
 use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::simd::Level;
 use std::hint::black_box;
@@ -98,7 +98,19 @@ impl Put for GridLine<'_> {
     fn put<const W: usize>(&mut self, at: usize, n: usize, values: &Lanes3<W>) {
         let first = self.first + at * self.step;
         let Grid3 { x, y, z } = &mut *self.grid;
-        if self.step > 1 {
+        if self.step > 1 && n == W {
+            let last = first + (W - 1) * BLOCK_STRIDE;
+            let (x, y, z) = (
+                &mut x[first..=last],
+                &mut y[first..=last],
+                &mut z[first..=last],
+            );
+            for i in 0..W {
+                x[i * BLOCK_STRIDE] = values.0[0][i];
+                y[i * BLOCK_STRIDE] = values.0[1][i];
+                z[i * BLOCK_STRIDE] = values.0[2][i];
+            }
+        } else if self.step > 1 {
             let last = first + (n - 1) * BLOCK_STRIDE;
             let (x, y, z) = (
                 &mut x[first..=last],
@@ -161,12 +173,13 @@ pub(super) struct SideRange {
     pub(super) start: u32,
 }
 
-/// Three by four control points along a side of a face, in the direction in which u or v grows; `minus` on the side of the lower v or u.
+/// Three by four control points along a side of a face, in the direction in which u or v grows, where they stand.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Strip {
-    pub(super) minus: [P4; 4],
-    pub(super) centre: [P4; 4],
-    pub(super) plus: [P4; 4],
+pub(super) struct Strip<'a> {
+    /// On the side of the lower v or u.
+    minus: [&'a P4; 4],
+    centre: [&'a P4; 4],
+    plus: [&'a P4; 4],
     /// Whether it runs along v.
     vertical: bool,
 }
@@ -182,34 +195,44 @@ pub(super) struct Span {
     pub(super) own: [u32; 2],
 }
 
-impl Strip {
+impl<'a> Strip<'a> {
     /// The strip along side `side` of the spline whose net begins at a row and column of `net`.
     #[inline(always)]
-    pub(super) fn of<const N: usize>(net: &Net<N>, [row, col]: [usize; 2], side: usize) -> Self {
+    pub(super) fn of(net: &'a Net<5>, [row, col]: [usize; 2], side: usize) -> Self {
         // The line of control points that belongs to the side.
         let middle = if side == 1 || side == 2 { 2 } else { 1 };
-        let mut lines = [[P4::ZERO; 4]; 3];
-        for (k, line) in (middle - 1..).zip(&mut lines) {
-            if side & 1 == 0 {
-                line.copy_from_slice(&net[row + k][col..col + 4]);
-            } else {
-                for (point, net) in line.iter_mut().zip(&net[row..row + 4]) {
-                    *point = net[col + k];
-                }
-            }
+        let [row, col] = [row & 1, col & 1];
+        let places = [0, 1, 2, 3];
+        match side & 1 {
+            0 => Self::lines(net, row + middle, places.map(|i| col + i), side),
+            _ => Self::lines(net, col + middle, places.map(|i| row + i), side),
         }
-        let [minus, centre, plus] = lines;
+    }
+
+    /// The strip around line `k` of a net, through the given places.
+    #[inline(always)]
+    fn lines(net: &'a Net<5>, k: usize, places: [usize; 4], side: usize) -> Self {
+        let vertical = side & 1 == 1;
+        let line = |k: usize| match vertical {
+            false => places.map(|i| &net[k][i]),
+            true => places.map(|i| &net[i][k]),
+        };
         Self {
-            minus,
-            centre,
-            plus,
-            vertical: side & 1 == 1,
+            minus: line(k - 1),
+            centre: line(k),
+            plus: line(k + 1),
+            vertical,
         }
     }
 
     /// The strip whose begin or end is the middle of side `side`, from the once-refined net, as the half at the end `high` or low says
     /// it; and whether it is the strip's end.
-    pub(super) fn at_middle(net: &Net<5>, side: usize, high: bool, regular: bool) -> (Self, bool) {
+    pub(super) fn at_middle(
+        net: &'a Net<5>,
+        side: usize,
+        high: bool,
+        regular: bool,
+    ) -> (Self, bool) {
         let middle = if side == 1 || side == 2 { 3 } else { 1 };
         // An irregular end has no regular row behind it, and the row at the far end has no weight in the middle.
         let places = match (high, regular) {
@@ -218,19 +241,7 @@ impl Strip {
             (true, true) => [1, 2, 3, 4],
             (true, false) => [1, 1, 2, 3],
         };
-        let line = |k: usize| -> [P4; 4] {
-            places.map(|i| match side & 1 {
-                0 => net[k][i],
-                _ => net[i][k],
-            })
-        };
-        let strip = Self {
-            minus: line(middle - 1),
-            centre: line(middle),
-            plus: line(middle + 1),
-            vertical: side & 1 == 1,
-        };
-        (strip, high != regular)
+        (Self::lines(net, middle, places, side), high != regular)
     }
 
     /// The strip's middle line: each centre blended with its neighbours.
@@ -238,9 +249,11 @@ impl Strip {
     fn across(&self, [side, centre]: [f32; 2]) -> [P4; 4] {
         let mut out = [P4::ZERO; 4];
         for i in 0..4 {
-            out[i] = (self.minus[i] + self.plus[i]) * side + self.centre[i] * centre;
+            one_by_one();
+            out[i] = (*self.minus[i] + *self.plus[i]) * side + *self.centre[i] * centre;
         }
-        out
+        // As in `blend_row`.
+        black_box(out)
     }
 
     /// Differences across, and a normal for points where the tangents are parallel.
@@ -248,9 +261,11 @@ impl Strip {
     fn slopes(&self) -> ([P4; 4], [f32; 3]) {
         let mut across = [P4::ZERO; 4];
         for i in 0..4 {
-            across[i] = self.plus[i] - self.minus[i];
+            one_by_one();
+            across[i] = *self.plus[i] - *self.minus[i];
         }
-        let along = self.centre[2] - self.centre[1];
+        let across = black_box(across);
+        let along = *self.centre[2] - *self.centre[1];
         let normal = if self.vertical {
             (across[1] + across[2]).cross(along)
         } else {
@@ -306,7 +321,7 @@ impl Strip {
         let row = self.across(basis.across);
         let mut line = Lanes3::<W>::zeros();
         for i in (0..run.count).step_by(W) {
-            mix3(&take::<W>(&basis.point, run.first + i), &row, &mut line);
+            mix3(&basis.point.lanes::<W>(run.first + i), &row, &mut line);
             points.put(run.at + i, (run.count - i).min(W), &line);
         }
         let Some(normals) = normals else { return };
@@ -315,8 +330,8 @@ impl Strip {
         let (mut du, mut dv) = (Lanes3::<W>::zeros(), Lanes3::<W>::zeros());
         let lanes = black_box(W);
         for i in (0..run.count).step_by(W) {
-            mix3(&take::<W>(&basis.slope, run.first + i), &along, &mut du);
-            mix3(&take::<W>(&basis.limit, run.first + i), &across, &mut dv);
+            mix3(&basis.slope.lanes::<W>(run.first + i), &along, &mut du);
+            mix3(&basis.limit.lanes::<W>(run.first + i), &across, &mut dv);
             if self.vertical {
                 unit_lanes(&dv, &du, lanes, spare, &mut line);
             } else {
@@ -338,7 +353,7 @@ impl Strip {
         let basis = Basis::get(target, level);
         let row = self.across(basis.across);
         for i in 0..run.count {
-            let p = blend(weights(&basis.point, run.first + i), row);
+            let p = blend(basis.point.at(run.first + i), row);
             points.put_one(run.at + i, [p.0[0], p.0[1], p.0[2]]);
         }
         let Some(normals) = normals else { return };
@@ -353,8 +368,8 @@ impl Strip {
         let basis = Basis::get(Target::Limit, level);
         let along = self.across(Basis::get(Target::Limit, 0).across);
         let (across, spare) = self.slopes();
-        let du = blend(weights(&basis.slope, at), along).xyz();
-        let dv = blend(weights(&basis.limit, at), across).xyz();
+        let du = blend(basis.slope.at(at), along).xyz();
+        let dv = blend(basis.limit.at(at), across).xyz();
         if self.vertical {
             unit_of(dv, du, spare)
         } else {
@@ -366,7 +381,7 @@ impl Strip {
     pub(super) fn end(&self, target: Target, level: u32, end: bool) -> [f32; 3] {
         let basis = Basis::get(target, level);
         let at = if end { 1 << level } else { 0 };
-        blend(weights(&basis.point, at), self.across(basis.across)).xyz()
+        blend(basis.point.at(at), self.across(basis.across)).xyz()
     }
 
     pub(super) fn end_normal(&self, level: u32, end: bool) -> [f32; 3] {
@@ -390,7 +405,7 @@ pub(super) fn sample_polygon(p: &[P4; 4], level: u32, range: SideRange, points: 
     let mut line = Lanes3::<16>::zeros();
     for i in (0..count).step_by(16) {
         mix3(
-            &take::<16>(&basis.point, range.low as usize + i),
+            &basis.point.lanes::<16>(range.low as usize + i),
             p,
             &mut line,
         );
@@ -425,7 +440,7 @@ pub(crate) fn sample_boundary(
 ) {
     let basis = Basis::get(target, level);
     for i in 0..=1_usize << level {
-        let w: [f32; 4] = std::array::from_fn(|k| basis.point[k][i]);
+        let w: [f32; 4] = basis.point.at(i);
         let q = (p[0] * w[0] + p[3] * w[3]) + (p[1] * w[1] + p[2] * w[2]);
         for c in 0..3 {
             out.points[c][(at + i as i64 * step) as usize] = q.0[c];

@@ -15,7 +15,7 @@ use super::net::{
 };
 use super::point::P4;
 use super::regular::{BlockRange, dice_sheets};
-use super::sheet::{HIGH, Sheet};
+use super::sheet::{HIGH, Sheet, wide};
 use super::window::Window;
 use crate::dispatch;
 use crate::records::{BlockSize, Grid3};
@@ -106,7 +106,7 @@ pub struct FacePatch {
     pub(super) sides: [EdgeSamples; 4],
     pub(super) corners: [([f32; 3], [f32; 3]); 4],
     /// Control points around the quad; what lies beyond irregular corners is not set.
-    pub(super) whole_net: Net<4>,
+    pub(super) whole_net: Net<5>,
     /// Sides that are one strip of `whole_net`, bit by bit.
     pub(super) whole: u8,
     /// Polygons of the curves of sides on a boundary, in the direction in which u or v grows.
@@ -133,7 +133,7 @@ impl Default for FacePatch {
             refined: false,
             sides: Default::default(),
             corners: Default::default(),
-            whole_net: [[P4::ZERO; 4]; 4],
+            whole_net: [[P4::ZERO; 5]; 5],
             whole: 0,
             polygons: [None; 4],
             middles: [[false; 2]; 4],
@@ -189,12 +189,13 @@ impl FacePatch {
         let t = channel.topology;
         let fans: [u32; 4] = std::array::from_fn(|c| t.fan(4 * q + c as u32));
         let regular = fans.map(|f| t.fans()[f as usize].is_regular());
-        self.whole_net = gather_net(t, channel.points, q);
+        let net = gather_net(t, channel.points, q);
+        self.whole_net = wide(&net);
         if regular == [true; 4] {
             self.whole = 0b1111;
-            self.sheets.push(Sheet::whole(&self.whole_net, self.level));
+            self.sheets.push(Sheet::whole(&net, self.level));
         } else {
-            self.prepare_irregular(channel, q, fans, regular);
+            self.prepare_irregular(channel, q, &net, fans, regular);
         }
         if self.wanted > Sides::None {
             self.prepare_polygons(t, channel.points, q);
@@ -205,6 +206,7 @@ impl FacePatch {
         &mut self,
         channel: Channel<'_>,
         q: u32,
+        whole: &Net<4>,
         fans: [u32; 4],
         regular: [bool; 4],
     ) {
@@ -222,7 +224,7 @@ impl FacePatch {
         // Depth 1, then on towards each irregular corner.
         let open = open_sides(t, q);
         let rules = fans.map(|f| t.fans()[f as usize].rule);
-        let mut net = once_refined(&self.whole_net, open, rules);
+        let mut net = once_refined(whole, open, rules);
         let mut corners = [const { None }; 4];
         for c in (0..4).filter(|&c| !regular[c]) {
             let reach = if shallow { 3 } else { level as usize + 1 };

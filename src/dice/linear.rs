@@ -7,7 +7,7 @@
 use super::face::{Channel, FacePatch, Sides};
 use super::net::Net;
 use super::point::P4;
-use super::sheet::Sheet;
+use super::sheet::{Sheet, wide};
 
 /// The patch over corners `c` at column `i` and row `j` of its net.
 fn at(c: [P4; 4], i: usize, j: usize) -> P4 {
@@ -45,7 +45,7 @@ impl FacePatch {
         if self.wanted <= Sides::None {
             return;
         }
-        self.whole_net = net;
+        self.whole_net = wide(&net);
         self.whole = 0b1111;
         for c in 0..4 {
             let (mut a, mut b) = (corners[c], corners[(c + 1) % 4]);

@@ -26,6 +26,16 @@ pub(crate) struct Sheet {
     pub(crate) own: [[u32; 2]; 2],
 }
 
+/// The net of one spline, in the first quadrant of one of four.
+#[inline(always)]
+pub(super) fn wide(net: &Net<4>) -> Net<5> {
+    let mut wide = [[P4::ZERO; 5]; 5];
+    for (to, from) in wide.iter_mut().zip(net) {
+        to[..4].copy_from_slice(from);
+    }
+    wide
+}
+
 /// The control points of a B-spline, row by row.
 pub(super) type Rows<'a> = [&'a [P4; 4]; 4];
 
@@ -55,12 +65,8 @@ impl Sheet {
 
     /// One spline; for `size` 0 its first corner.
     pub(super) fn single(net: &Net<4>, origin: [u32; 2], size: u32, level: u32) -> Self {
-        let mut wide = [[P4::ZERO; 5]; 5];
-        for (to, from) in wide.iter_mut().zip(net) {
-            to[..4].copy_from_slice(from);
-        }
         Self {
-            net: wide,
+            net: wide(net),
             origin,
             size,
             level,

@@ -3,28 +3,10 @@
 use super::edge::{GridLine, PointLine, Put, SideRange, Span, Strip, sample_polygon};
 use super::face::{DiceFault, FacePatch, Part, Sides};
 use super::point::P4;
-use super::sheet::{HIGH, Sheet};
+use super::sheet::HIGH;
 use crate::dispatch;
 use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::topology::{FanRule, NONE, Ring, Topology};
-
-/// The strip of quadrant `q` along side `c`, of the half at corner `end`.
-#[inline(always)]
-fn half(sheet: &Sheet, q: usize, end: usize, c: usize) -> (Strip, Span) {
-    let (at, origin) = sheet.place(q);
-    let first = origin[c & 1];
-    // What lies away from the end belongs to the strip before, or is the middle.
-    let own = match HIGH[end][c & 1] {
-        true => [first + 1, first + sheet.size],
-        false => [first, first + sheet.size - 1],
-    };
-    let span = Span {
-        first,
-        level: sheet.level,
-        own,
-    };
-    (Strip::of(&sheet.net, at, c), span)
-}
 
 impl FacePatch {
     /// Whether the middle of side `c` belongs to its half at the high end of u or v, which is that at the lower vertex number; and whether
@@ -67,42 +49,42 @@ impl FacePatch {
         }
     }
 
-    /// Calls `f` with the strips of side `c`.
+    /// Strip `k` of side `c`, if there is one. The last place of a strip that it does not show belongs to the strip before, or to a corner, or
+    /// is the middle.
     #[inline(always)]
-    fn each_strip(&self, c: usize, mut f: impl FnMut(&Strip, Span)) {
+    fn strip(&self, c: usize, k: usize) -> Option<(Strip<'_>, Span)> {
         if self.whole >> c & 1 != 0 {
             let span = Span {
                 first: 0,
                 level: self.level,
-                // The ends are those of the corners.
                 own: [0, (1 << self.level) - 1],
             };
-            return f(&Strip::of(&self.whole_net, [0, 0], c), span);
+            return (k == 0).then(|| (Strip::of(&self.whole_net, [0, 0], c), span));
         }
-        let Some((first, deeper)) = self.sheets.split_first() else {
-            return;
-        };
         // The first sheet has a spline at every regular corner; the others lead to their own, with splines before and after it.
-        let d = (c + 1) & 3;
-        for end in [c, d] {
-            if first.has(end) {
-                let (strip, span) = half(first, end, end, c);
-                f(&strip, span);
-            }
+        let sheet = self.sheets.get(k / 2)?;
+        let ends = [c, (c + 1) & 3];
+        let (end, other) = (ends[k & 1], ends[1 - (k & 1)]);
+        let quadrant = match k / 2 {
+            0 => end,
+            _ => other,
+        };
+        let leads = k < 2 || sheet.corner == end && sheet.size > 0;
+        if !(leads && sheet.has(quadrant)) {
+            return None;
         }
-        for sheet in deeper {
-            let q = if sheet.corner == c {
-                d
-            } else if sheet.corner == d {
-                c
-            } else {
-                continue;
-            };
-            if sheet.size > 0 {
-                let (strip, span) = half(sheet, q, sheet.corner, c);
-                f(&strip, span);
-            }
-        }
+        let (at, origin) = sheet.place(quadrant);
+        let first = origin[c & 1];
+        let own = match HIGH[end][c & 1] {
+            true => [first + 1, first + sheet.size],
+            false => [first, first + sheet.size - 1],
+        };
+        let span = Span {
+            first,
+            level: sheet.level,
+            own,
+        };
+        Some((Strip::of(&sheet.net, at, c), span))
     }
 
     /// Samples what a range has of side `c`.
@@ -114,11 +96,15 @@ impl FacePatch {
         points: &mut impl Put,
         mut normals: Option<&mut impl Put>,
     ) {
-        self.each_strip(
-            c,
-            #[inline(always)]
-            |strip, span| strip.sample(span, range, points, normals.as_deref_mut()),
-        );
+        let strips = match self.whole >> c & 1 {
+            0 => 2 * self.sheets.len(),
+            _ => 1,
+        };
+        for k in 0..strips {
+            if let Some((strip, span)) = self.strip(c, k) {
+                strip.sample(span, range, points, normals.as_deref_mut());
+            }
+        }
         if self.whole >> c & 1 == 0 {
             self.sample_middle(c, range, points, normals);
         }
