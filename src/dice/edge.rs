@@ -87,10 +87,22 @@ pub(super) trait Put {
 
 /// A row or column of a block.
 pub(super) struct GridLine<'a> {
-    pub(super) grid: &'a mut Grid3,
+    grid: &'a mut Grid3,
     /// Index of the first place, and from one place to the next.
-    pub(super) first: usize,
-    pub(super) step: usize,
+    first: usize,
+    step: usize,
+}
+
+impl<'a> GridLine<'a> {
+    /// Row or column `across`, whichever side `c` is.
+    #[inline(always)]
+    pub(super) fn new(grid: &'a mut Grid3, c: usize, across: usize) -> Self {
+        let (first, step) = match c & 1 {
+            0 => (across * BLOCK_STRIDE, 1),
+            _ => (across, BLOCK_STRIDE),
+        };
+        Self { grid, first, step }
+    }
 }
 
 impl Put for GridLine<'_> {
@@ -195,6 +207,22 @@ pub(super) struct Span {
     pub(super) own: [u32; 2],
 }
 
+impl Span {
+    /// The places of a range that the strip shows, and the level that they have there.
+    #[inline(always)]
+    pub(super) fn run(&self, range: SideRange) -> Option<(Run, u32)> {
+        let round = (1 << range.shift) - 1;
+        let low = ((self.own[0] + round) >> range.shift).max(range.low);
+        let high = (self.own[1] >> range.shift).min(range.high);
+        let run = |low: u32, high: u32| Run {
+            at: (low - range.start) as usize,
+            first: (low - (self.first >> range.shift)) as usize,
+            count: (high - low + 1) as usize,
+        };
+        (low <= high).then(|| (run(low, high), self.level.saturating_sub(range.shift)))
+    }
+}
+
 impl<'a> Strip<'a> {
     /// The strip along side `side` of the spline whose net begins at a row and column of `net`.
     #[inline(always)]
@@ -279,32 +307,21 @@ impl<'a> Strip<'a> {
         (across, spare)
     }
 
-    /// Samples that the strip shows, points and normals.
+    /// Points and normals of a run of places of a level.
     #[inline(always)]
     pub(super) fn sample(
         &self,
-        span: Span,
-        range: SideRange,
+        run: Run,
+        target: Target,
+        level: u32,
         points: &mut impl Put,
         normals: Option<&mut impl Put>,
     ) {
-        let round = (1 << range.shift) - 1;
-        let low = ((span.own[0] + round) >> range.shift).max(range.low);
-        let high = (span.own[1] >> range.shift).min(range.high);
-        if low > high {
-            return;
-        }
-        let level = span.level.saturating_sub(range.shift);
-        let run = Run {
-            at: (low - range.start) as usize,
-            first: (low - (span.first >> range.shift)) as usize,
-            count: (high - low + 1) as usize,
-        };
         match run.count {
-            9.. => self.sample_lanes::<16>(run, range.target, level, points, normals),
-            5..=8 => self.sample_lanes::<8>(run, range.target, level, points, normals),
-            3..=4 => self.sample_lanes::<4>(run, range.target, level, points, normals),
-            _ => self.sample_singly(run, range.target, level, points, normals),
+            9.. => self.sample_lanes::<16>(run, target, level, points, normals),
+            5..=8 => self.sample_lanes::<8>(run, target, level, points, normals),
+            3..=4 => self.sample_lanes::<4>(run, target, level, points, normals),
+            _ => self.sample_singly(run, target, level, points, normals),
         }
     }
 
@@ -391,7 +408,7 @@ impl<'a> Strip<'a> {
 
 /// Places of a line, and the first of them on a strip.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+pub(super) struct Run {
     at: usize,
     first: usize,
     count: usize,

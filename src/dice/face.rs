@@ -13,6 +13,7 @@ use super::net::{
     Net, corner_origin, fill_phantoms, gather_net, once_refined, open_sides, put_corner,
     refine_node, turn, turn_back,
 };
+use super::plan::Plan;
 use super::point::P4;
 use super::regular::{BlockRange, dice_sheets};
 use super::sheet::{HIGH, Sheet, wide};
@@ -115,6 +116,8 @@ pub struct FacePatch {
     pub(super) middles: [[bool; 2]; 4],
     windows: [Window; 4],
     pub(super) wanted: Sides,
+    /// Which corners are regular, bit by bit, of faces without deeper levels.
+    pub(super) regular: Option<u8>,
     /// Control points that no spline stands for, in hulls only.
     pub(super) hull: Vec<P4>,
     pub(crate) fault: DiceFault,
@@ -139,6 +142,7 @@ impl Default for FacePatch {
             middles: [[false; 2]; 4],
             windows: [const { Window::EMPTY }; 4],
             wanted: Sides::Hull,
+            regular: None,
             hull: Vec::new(),
             fault: DiceFault::None,
             simd: Level::SCALAR,
@@ -171,6 +175,9 @@ impl FacePatch {
             _ if level == 0 => {}
             _ => self.prepare_patch(channel, q),
         }
+        if self.refined {
+            self.regular = None;
+        }
     }
 
     /// Empties the buffers for the next quad.
@@ -178,6 +185,7 @@ impl FacePatch {
         self.level = level;
         self.target = target;
         self.wanted = sides;
+        self.regular = None;
         self.sheets.clear();
         self.dots.clear();
         self.hull.clear();
@@ -193,6 +201,7 @@ impl FacePatch {
         self.whole_net = wide(&net);
         if regular == [true; 4] {
             self.whole = 0b1111;
+            self.regular = Some(0b1111);
             self.sheets.push(Sheet::whole(&net, self.level));
         } else {
             self.prepare_irregular(channel, q, &net, fans, regular);
@@ -243,6 +252,7 @@ impl FacePatch {
         fill_phantoms(&mut net, open);
         let half = 1_u32 << (level - 1);
         let mask = (0..4).fold(0, |mask, c| mask | u8::from(regular[c]) << c);
+        self.regular = Some(mask);
         self.sheets.push(Sheet {
             net,
             origin: [0; 2],
@@ -399,21 +409,30 @@ impl FacePatch {
             low: [start[0], start[1] + rows[0]].map(|k| k.max(inner)),
             high: [start[0] + segments, start[1] + rows[1]].map(|k| k.min(n - inner)),
         };
-        dispatch!(
-            self.simd,
-            dice_sheets(
-                &self.sheets,
-                self.target,
-                range,
-                points,
-                normals.as_deref_mut()
-            )
-        );
-        if !self.dots.is_empty() {
-            self.put_dots(range, points, normals.as_deref_mut());
-        }
-        if self.wanted > Sides::None && self.level > 0 {
-            self.dice_sides(part, points, normals.as_deref_mut());
+        let whole = level == self.level && segments == n && rows == [0, n];
+        let plan = if whole { self.plan(part, range) } else { None };
+        if let Some(plan) = plan {
+            dispatch!(
+                self.simd,
+                self.dice_planned(plan, points, normals.as_deref_mut())
+            );
+        } else {
+            dispatch!(
+                self.simd,
+                dice_sheets(
+                    &self.sheets,
+                    self.target,
+                    range,
+                    points,
+                    normals.as_deref_mut()
+                )
+            );
+            if !self.dots.is_empty() {
+                self.put_dots(range, points, normals.as_deref_mut());
+            }
+            if self.wanted > Sides::None && self.level > 0 {
+                self.dice_sides(part, points, normals.as_deref_mut());
+            }
         }
         if self.refined && self.wanted <= Sides::None && self.level > 0 {
             return;
@@ -428,6 +447,14 @@ impl FacePatch {
                     normals.set(i, j, self.corners[c].1);
                 }
             }
+        }
+    }
+
+    #[inline(always)]
+    fn dice_planned(&self, plan: &Plan, points: &mut Grid3, mut normals: Option<&mut Grid3>) {
+        plan.dice(&self.sheets, self.target, points, normals.as_deref_mut());
+        if self.wanted > Sides::None {
+            self.put_planned(plan, points, normals);
         }
     }
 

@@ -42,6 +42,7 @@ impl FacePatch {
         }
         let net: Net<4> = std::array::from_fn(|j| std::array::from_fn(|i| at(corners, i, j)));
         self.sheets.push(Sheet::whole(&net, self.level));
+        self.regular = Some(0b1111);
         if self.wanted <= Sides::None {
             return;
         }

@@ -116,21 +116,27 @@ pub(crate) fn dice_sheets(
     points: &mut Grid3,
     mut normals: Option<&mut Grid3>,
 ) {
-    let mut lines = [[P4::ZERO; 4]; ROWS];
-    for sheet in sheets.iter().rev() {
-        // Those that are seen where several meet come last.
-        for rank in (0..4).rev() {
-            let q = (rank + sheet.corner) & 3;
-            if !sheet.has(q) {
-                continue;
-            }
-            let quadrant = sheet.quadrant(q);
-            if let Some(area) = Area::of(&quadrant, range) {
-                let basis = Basis::get(target, sheet.level.saturating_sub(range.shift));
-                area.dice(&quadrant, basis, &mut lines, points, normals.as_deref_mut());
-            }
-        }
+    let mut lines = Lines::default();
+    for (_, quadrant, area) in areas(sheets, range) {
+        let basis = Basis::get(target, quadrant.sheet.level.saturating_sub(range.shift));
+        let normals = normals.as_deref_mut();
+        area.dice(&quadrant.net(), basis, &mut lines, points, normals);
     }
+}
+
+/// The parts of a block that are diced, with the numbers of their sheets. What is seen where several meet comes last.
+#[inline(always)]
+pub(super) fn areas(
+    sheets: &[Sheet],
+    range: BlockRange,
+) -> impl Iterator<Item = (usize, Quadrant<'_>, Area)> {
+    let ranked = |(number, sheet)| (0..4).rev().map(move |rank| (number, sheet, rank));
+    let all = sheets.iter().enumerate().rev().flat_map(ranked);
+    all.filter_map(move |(number, sheet, rank): (usize, &Sheet, usize)| {
+        let q = (rank + sheet.corner) & 3;
+        let quadrant = sheet.has(q).then(|| sheet.quadrant(q))?;
+        Some((number, quadrant, Area::of(&quadrant, range)?))
+    })
 }
 
 /// The part of a block that a quadrant shows.
@@ -138,7 +144,7 @@ pub(crate) fn dice_sheets(
 /// Whole vectors are written from column `left` to before `right`. Whatever else they hold is also on the quadrant's border, and what is
 /// seen there is diced after it.
 #[derive(Clone, Copy, Debug)]
-struct Area {
+pub(super) struct Area {
     /// First column and number of columns, of the block.
     col: usize,
     cols: usize,
@@ -189,24 +195,23 @@ impl Area {
     }
 
     #[inline(always)]
-    fn dice(
+    pub(super) fn dice(
         &self,
-        quadrant: &Quadrant<'_>,
+        net: &Rows<'_>,
         basis: &Basis,
         lines: &mut Lines,
         points: &mut Grid3,
         normals: Option<&mut Grid3>,
     ) {
-        let net = quadrant.net();
         let room = self.right - self.left;
         if self.cols > 8 && room >= 16 {
-            self.dice_lanes::<16>(&net, basis, lines, points, normals);
+            self.dice_lanes::<16>(net, basis, lines, points, normals);
         } else if self.cols > 4 && room >= 8 {
-            self.dice_lanes::<8>(&net, basis, lines, points, normals);
+            self.dice_lanes::<8>(net, basis, lines, points, normals);
         } else if self.cols > 2 && room >= 4 {
-            self.dice_lanes::<4>(&net, basis, lines, points, normals);
+            self.dice_lanes::<4>(net, basis, lines, points, normals);
         } else {
-            self.dice_singly(&net, basis, lines, points, normals);
+            self.dice_singly(net, basis, lines, points, normals);
         }
     }
 
@@ -342,7 +347,7 @@ impl Area {
 const ROWS: usize = 16;
 
 /// The four points that each of some rows of the grid is made of.
-type Lines = [[P4; 4]; ROWS];
+pub(super) type Lines = [[P4; 4]; ROWS];
 
 /// The columns of a net, each blended for the rows from `first` on.
 #[inline(always)]

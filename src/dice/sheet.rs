@@ -39,6 +39,25 @@ pub(super) fn wide(net: &Net<4>) -> Net<5> {
 /// The control points of a B-spline, row by row.
 pub(super) type Rows<'a> = [&'a [P4; 4]; 4];
 
+/// The 16 control points from row `at[0]` and column `at[1]` on, each 0 or 1.
+#[inline(always)]
+pub(super) fn rows(net: &Net<5>, [row, col]: [usize; 2]) -> Rows<'_> {
+    let lines = match row {
+        0 => &net[..4],
+        _ => &net[1..],
+    };
+    let part = |line| -> &[P4; 4] {
+        let ([first @ .., _], [_, last @ ..]): (&[P4; 5], &[P4; 5]) = (line, line);
+        if col == 0 { first } else { last }
+    };
+    [
+        part(&lines[0]),
+        part(&lines[1]),
+        part(&lines[2]),
+        part(&lines[3]),
+    ]
+}
+
 /// A quadrant of a sheet: one B-spline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quadrant<'a> {
@@ -143,18 +162,7 @@ impl Quadrant<'_> {
     /// Its 16 control points, where they stand.
     #[inline(always)]
     pub(super) fn net(&self) -> Rows<'_> {
-        let [row, col] = self.at;
-        let lines = &self.sheet.net[row..row + 4];
-        let part = |line| -> &[P4; 4] {
-            let ([first @ .., _], [_, last @ ..]): (&[P4; 5], &[P4; 5]) = (line, line);
-            if col == 0 { first } else { last }
-        };
-        [
-            part(&lines[0]),
-            part(&lines[1]),
-            part(&lines[2]),
-            part(&lines[3]),
-        ]
+        rows(&self.sheet.net, self.at)
     }
 
     /// Points whose convex hull holds the diced points between the given columns and rows (in units of the quadrant's size).
