@@ -6,6 +6,7 @@
 use super::basis::Target;
 use super::net::Net;
 use super::point::P4;
+use std::ops::{Deref, DerefMut};
 
 /// Up to four B-splines over neighbouring squares of a face's grid.
 #[derive(Clone, Debug)]
@@ -24,16 +25,6 @@ pub(crate) struct Sheet {
     pub(crate) present: u8,
     /// First and last grid column and row that no wider sheet of the same face shows.
     pub(crate) own: [[u32; 2]; 2],
-}
-
-/// The net of one spline, in the first quadrant of one of four.
-#[inline(always)]
-pub(super) fn wide(net: &Net<4>) -> Net<5> {
-    let mut wide = [[P4::ZERO; 5]; 5];
-    for (to, from) in wide.iter_mut().zip(net) {
-        to[..4].copy_from_slice(from);
-    }
-    wide
 }
 
 /// The control points of a B-spline, row by row.
@@ -76,23 +67,71 @@ const PLACES: [[usize; 2]; 4] = [[0, 0], [0, 1], [1, 1], [1, 0]];
 pub(super) const HIGH: [[bool; 2]; 4] =
     [[false, false], [true, false], [true, true], [false, true]];
 
-impl Sheet {
-    /// One spline over a whole grid of `2^level` segments.
-    pub(super) fn whole(net: &Net<4>, level: u32) -> Self {
-        Self::single(net, [0, 0], 1 << level, level)
+/// The sheets of a face, in room that is used again: their nets are made where they stay.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sheets {
+    room: Vec<Sheet>,
+    used: usize,
+}
+
+impl Sheets {
+    pub(super) fn clear(&mut self) {
+        self.used = 0;
     }
 
-    /// One spline; for `size` 0 its first corner.
-    pub(super) fn single(net: &Net<4>, origin: [u32; 2], size: u32, level: u32) -> Self {
-        Self {
-            net: wide(net),
-            origin,
-            size,
-            level,
-            corner: 0,
-            present: 1,
-            own: [origin, origin.map(|k| k + size)],
+    /// One more, which holds what was there before.
+    #[inline(always)]
+    pub(super) fn add(&mut self) -> &mut Sheet {
+        if self.used == self.room.len() {
+            self.room.push(Sheet::EMPTY);
         }
+        self.used += 1;
+        &mut self.room[self.used - 1]
+    }
+}
+
+impl Deref for Sheets {
+    type Target = [Sheet];
+
+    #[inline(always)]
+    fn deref(&self) -> &[Sheet] {
+        &self.room[..self.used]
+    }
+}
+
+impl DerefMut for Sheets {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [Sheet] {
+        &mut self.room[..self.used]
+    }
+}
+
+impl Sheet {
+    const EMPTY: Self = Self {
+        net: [[P4::ZERO; 5]; 5],
+        origin: [0; 2],
+        size: 0,
+        level: 0,
+        corner: 0,
+        present: 0,
+        own: [[0; 2]; 2],
+    };
+
+    /// Makes it one spline, with its net in the first rows and columns: over a whole grid of `2^level` segments.
+    #[inline(always)]
+    pub(super) fn be_whole(&mut self, level: u32) {
+        self.be_single([0, 0], 1 << level, level);
+    }
+
+    /// The same over a part of a grid; for `size` 0 the first corner.
+    #[inline(always)]
+    pub(super) fn be_single(&mut self, origin: [u32; 2], size: u32, level: u32) {
+        self.origin = origin;
+        self.size = size;
+        self.level = level;
+        self.corner = 0;
+        self.present = 1;
+        self.own = [origin, origin.map(|k| k + size)];
     }
 
     #[inline(always)]

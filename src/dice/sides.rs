@@ -61,7 +61,9 @@ impl FacePatch {
                 level: self.level,
                 own: [0, (1 << self.level) - 1],
             };
-            return (k == 0).then_some((None, [0, 0], span));
+            // A face that is one spline keeps its net there.
+            let sheet = (self.whole == 0b1111).then_some(0);
+            return (k == 0).then_some((sheet, [0, 0], span));
         }
         // The first sheet has a spline at every regular corner; the others lead to their own, with splines before and after it.
         let sheet = self.sheets.get(k / 2)?;
