@@ -185,13 +185,14 @@ pub(super) struct SideRange {
     pub(super) start: u32,
 }
 
-/// Three by four control points along a side of a face, in the direction in which u or v grows, where they stand.
+/// Three by four control points along a side of a face, in the direction in which u or v grows, where they stand in a net.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strip<'a> {
-    /// On the side of the lower v or u.
-    minus: [&'a P4; 4],
-    centre: [&'a P4; 4],
-    plus: [&'a P4; 4],
+    net: &'a Net<5>,
+    /// Row or column of the middle line; the one before is on the side of the lower v or u.
+    line: usize,
+    /// Columns or rows of the four.
+    places: [usize; 4],
     /// Whether it runs along v.
     vertical: bool,
 }
@@ -229,27 +230,15 @@ impl<'a> Strip<'a> {
     pub(super) fn of(net: &'a Net<5>, [row, col]: [usize; 2], side: usize) -> Self {
         // The line of control points that belongs to the side.
         let middle = if side == 1 || side == 2 { 2 } else { 1 };
-        let [row, col] = [row & 1, col & 1];
-        let places = [0, 1, 2, 3];
-        match side & 1 {
-            0 => Self::lines(net, row + middle, places.map(|i| col + i), side),
-            _ => Self::lines(net, col + middle, places.map(|i| row + i), side),
-        }
-    }
-
-    /// The strip around line `k` of a net, through the given places.
-    #[inline(always)]
-    fn lines(net: &'a Net<5>, k: usize, places: [usize; 4], side: usize) -> Self {
-        let vertical = side & 1 == 1;
-        let line = |k: usize| match vertical {
-            false => places.map(|i| &net[k][i]),
-            true => places.map(|i| &net[i][k]),
+        let (line, first) = match side & 1 {
+            0 => (row & 1, col & 1),
+            _ => (col & 1, row & 1),
         };
         Self {
-            minus: line(k - 1),
-            centre: line(k),
-            plus: line(k + 1),
-            vertical,
+            net,
+            line: line + middle,
+            places: [0, 1, 2, 3].map(|i| first + i),
+            vertical: side & 1 == 1,
         }
     }
 
@@ -269,31 +258,49 @@ impl<'a> Strip<'a> {
             (true, true) => [1, 2, 3, 4],
             (true, false) => [1, 1, 2, 3],
         };
-        (Self::lines(net, middle, places, side), high != regular)
+        let strip = Self {
+            net,
+            line: middle,
+            places,
+            vertical: side & 1 == 1,
+        };
+        (strip, high != regular)
     }
 
-    /// The strip's middle line: each centre blended with its neighbours.
+    /// What `f` makes of the four points of the line before, of the middle line and of the line after.
     #[inline(always)]
-    fn across(&self, [side, centre]: [f32; 2]) -> [P4; 4] {
+    fn each(&self, f: impl Fn(P4, P4, P4) -> P4) -> [P4; 4] {
+        let Self { net, line: k, .. } = *self;
         let mut out = [P4::ZERO; 4];
-        for i in 0..4 {
-            one_by_one();
-            out[i] = (*self.minus[i] + *self.plus[i]) * side + *self.centre[i] * centre;
+        if self.vertical {
+            for (out, &i) in out.iter_mut().zip(&self.places) {
+                *out = f(net[i][k - 1], net[i][k], net[i][k + 1]);
+            }
+        } else {
+            let (low, middle, high) = (&net[k - 1], &net[k], &net[k + 1]);
+            for (out, &i) in out.iter_mut().zip(&self.places) {
+                *out = f(low[i], middle[i], high[i]);
+            }
         }
         // As in `blend_row`.
         black_box(out)
     }
 
+    /// The strip's middle line: each centre blended with its neighbours.
+    #[inline(always)]
+    fn across(&self, [side, centre]: [f32; 2]) -> [P4; 4] {
+        self.each(|minus, middle, plus| (minus + plus) * side + middle * centre)
+    }
+
     /// Differences across, and a normal for points where the tangents are parallel.
     #[inline(always)]
     fn slopes(&self) -> ([P4; 4], [f32; 3]) {
-        let mut across = [P4::ZERO; 4];
-        for i in 0..4 {
-            one_by_one();
-            across[i] = *self.plus[i] - *self.minus[i];
-        }
-        let across = black_box(across);
-        let along = *self.centre[2] - *self.centre[1];
+        let across = self.each(|minus, _, plus| plus - minus);
+        let centre = |i: usize| match self.vertical {
+            false => self.net[self.line][self.places[i]],
+            true => self.net[self.places[i]][self.line],
+        };
+        let along = centre(2) - centre(1);
         let normal = if self.vertical {
             (across[1] + across[2]).cross(along)
         } else {
@@ -320,8 +327,7 @@ impl<'a> Strip<'a> {
         match run.count {
             9.. => self.sample_lanes::<16>(run, target, level, points, normals),
             5..=8 => self.sample_lanes::<8>(run, target, level, points, normals),
-            3..=4 => self.sample_lanes::<4>(run, target, level, points, normals),
-            _ => self.sample_singly(run, target, level, points, normals),
+            _ => self.sample_lanes::<4>(run, target, level, points, normals),
         }
     }
 
@@ -355,27 +361,6 @@ impl<'a> Strip<'a> {
                 unit_lanes(&du, &dv, lanes, spare, &mut line);
             }
             normals.put(run.at + i, (run.count - i).min(W), &line);
-        }
-    }
-
-    #[inline(always)]
-    fn sample_singly(
-        &self,
-        run: Run,
-        target: Target,
-        level: u32,
-        points: &mut impl Put,
-        normals: Option<&mut impl Put>,
-    ) {
-        let basis = Basis::get(target, level);
-        let row = self.across(basis.across);
-        for i in 0..run.count {
-            let p = blend(basis.point.at(run.first + i), row);
-            points.put_one(run.at + i, [p.0[0], p.0[1], p.0[2]]);
-        }
-        let Some(normals) = normals else { return };
-        for i in 0..run.count {
-            normals.put_one(run.at + i, self.normal(level, run.first + i));
         }
     }
 
