@@ -80,7 +80,8 @@ pub(super) fn mix<const W: usize>(w: &Weights<W>, q: [f32; 4], out: &mut [f32]) 
 pub(super) fn mix3<const W: usize>(w: &Weights<W>, q: &[P4; 4], out: &mut Lanes3<W>) {
     for c in 0..3 {
         one_by_one();
-        mix(w, four(q, c), &mut out.0[c]);
+        let q = [q[0].0[c], q[1].0[c], q[2].0[c], q[3].0[c]];
+        mix(w, q, &mut out.0[c]);
     }
 }
 
@@ -226,7 +227,7 @@ impl Area {
     ) {
         self.points::<W>(net, basis, lines, points);
         if let Some(normals) = normals {
-            self.normals::<W>(net, basis, normals);
+            self.normals::<W>(net, basis, lines, normals);
         }
     }
 
@@ -256,7 +257,7 @@ impl Area {
         &self,
         net: &Rows<'_>,
         basis: &Basis,
-        lines: &mut Lines,
+        [lines, _]: &mut Lines,
         out: &mut Grid3,
     ) {
         for row in (0..self.rows).step_by(ROWS) {
@@ -278,7 +279,13 @@ impl Area {
     }
 
     #[inline(always)]
-    fn normals<const W: usize>(&self, net: &Rows<'_>, basis: &Basis, out: &mut Grid3) {
+    fn normals<const W: usize>(
+        &self,
+        net: &Rows<'_>,
+        basis: &Basis,
+        lines: &mut Lines,
+        out: &mut Grid3,
+    ) {
         let spare = fallback(net);
         let lanes = black_box(W);
         let (mut du, mut dv, mut unit) = (
@@ -286,26 +293,43 @@ impl Area {
             Lanes3::<W>::zeros(),
             Lanes3::<W>::zeros(),
         );
-        let mut next = self.vector::<W>(None);
-        while let Some(col) = next {
-            let limit = basis.limit.lanes::<W>(self.column(col));
-            let slope = basis.slope.lanes::<W>(self.column(col));
-            for j in 0..self.rows {
-                let q = black_box(blend_row(basis.limit.at(self.first + j), net));
-                let r = black_box(blend_row(basis.slope.at(self.first + j), net));
-                for c in 0..3 {
-                    one_by_one();
-                    mix(&slope, four(&q, c), &mut du.0[c]);
-                    mix(&limit, four(&r, c), &mut dv.0[c]);
+        for row in (0..self.rows).step_by(ROWS) {
+            let [along, across] = self.slopes(row, net, basis, lines);
+            let mut next = self.vector::<W>(None);
+            while let Some(col) = next {
+                let limit = basis.limit.lanes::<W>(self.column(col));
+                let slope = basis.slope.lanes::<W>(self.column(col));
+                for (j, (q, r)) in along.iter().zip(across).enumerate() {
+                    for c in 0..3 {
+                        one_by_one();
+                        mix(&slope, four(q, c), &mut du.0[c]);
+                        mix(&limit, four(r, c), &mut dv.0[c]);
+                    }
+                    unit_lanes(&du, &dv, lanes, spare, &mut unit);
+                    let at = (self.row + row + j) * BLOCK_STRIDE + col;
+                    out.x[at..at + W].copy_from_slice(&unit.0[0]);
+                    out.y[at..at + W].copy_from_slice(&unit.0[1]);
+                    out.z[at..at + W].copy_from_slice(&unit.0[2]);
                 }
-                unit_lanes(&du, &dv, lanes, spare, &mut unit);
-                let at = (self.row + j) * BLOCK_STRIDE + col;
-                out.x[at..at + W].copy_from_slice(&unit.0[0]);
-                out.y[at..at + W].copy_from_slice(&unit.0[1]);
-                out.z[at..at + W].copy_from_slice(&unit.0[2]);
+                next = self.vector::<W>(Some(col + W));
             }
-            next = self.vector::<W>(Some(col + W));
         }
+    }
+
+    /// From row `row` on, what derivatives along u and along v are made of.
+    #[inline(always)]
+    fn slopes<'a>(
+        &self,
+        row: usize,
+        net: &Rows<'_>,
+        basis: &Basis,
+        [along, across]: &'a mut Lines,
+    ) -> [&'a [[f32; 16]]; 2] {
+        let rows = (self.rows - row).min(ROWS);
+        let (along, across) = (&mut along[..rows], &mut across[..rows]);
+        blend_rows(&basis.limit, self.first + row, net, along);
+        blend_rows(&basis.slope, self.first + row, net, across);
+        [along, across]
     }
 
     /// Few points, one by one.
@@ -318,26 +342,29 @@ impl Area {
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
+        let columns = self.col..self.col + self.cols;
         for row in (0..self.rows).step_by(ROWS) {
-            let lines = &mut lines[..(self.rows - row).min(ROWS)];
-            blend_rows(&basis.point, self.first + row, net, lines);
-            for (j, q) in lines.iter().enumerate() {
-                for i in self.col..self.col + self.cols {
+            let middle = &mut lines[0][..(self.rows - row).min(ROWS)];
+            blend_rows(&basis.point, self.first + row, net, middle);
+            for (j, q) in middle.iter().enumerate() {
+                for i in columns.clone() {
                     one_by_one();
-                    let p = blend(basis.point.at(self.column(i)), *q);
+                    let p = blend(basis.point.at(self.column(i)), points_of(q));
                     points.set(i, self.row + row + j, p.xyz());
                 }
             }
-        }
-        let Some(normals) = normals else { return };
-        let spare = fallback(net);
-        for j in 0..self.rows {
-            let q = black_box(blend_row(basis.limit.at(self.first + j), net));
-            let r = black_box(blend_row(basis.slope.at(self.first + j), net));
-            for i in self.col..self.col + self.cols {
-                let du = blend(basis.slope.at(self.column(i)), q);
-                let dv = blend(basis.limit.at(self.column(i)), r);
-                normals.set(i, self.row + j, unit_of(du.xyz(), dv.xyz(), spare));
+            let Some(normals) = normals.as_deref_mut() else {
+                continue;
+            };
+            let spare = fallback(net);
+            let [along, across] = self.slopes(row, net, basis, lines);
+            for (j, (q, r)) in along.iter().zip(across).enumerate() {
+                for i in columns.clone() {
+                    let du = blend(basis.slope.at(self.column(i)), points_of(q));
+                    let dv = blend(basis.limit.at(self.column(i)), points_of(r));
+                    let unit = unit_of(du.xyz(), dv.xyz(), spare);
+                    normals.set(i, self.row + row + j, unit);
+                }
             }
         }
     }
@@ -346,36 +373,35 @@ impl Area {
 /// Most rows of the grid that are blended before any of them is read.
 const ROWS: usize = 16;
 
-/// The four points that each of some rows of the grid is made of.
-pub(super) type Lines = [[P4; 4]; ROWS];
+/// The four points that each of some rows of the grid is made of, number by number: one vector. Written long before they are read, which
+/// would have to wait otherwise.
+pub(super) type Lines = [[[f32; 16]; ROWS]; 2];
 
 /// The columns of a net, each blended for the rows from `first` on.
 #[inline(always)]
-fn blend_rows(weights: &Weights1, first: usize, net: &Rows<'_>, lines: &mut [[P4; 4]]) {
-    for (j, line) in lines.iter_mut().enumerate() {
-        one_by_one();
-        *line = blend_row(weights.at(first + j), net);
-    }
-}
-
-/// The four columns of a net, each blended by `w`: sixteen numbers in lanes. Written to memory before it is read, or the compiler would leave
-/// out the fourth of each point and go through the others one by one.
-#[inline(always)]
-fn blend_row(w: [f32; 4], net: &Rows<'_>) -> [P4; 4] {
-    let mut out = [P4::ZERO; 4];
-    for k in 0..4 {
-        for c in 0..4 {
-            out[k].0[c] = (w[0] * net[0][k].0[c] + w[3] * net[3][k].0[c])
-                + (w[1] * net[1][k].0[c] + w[2] * net[2][k].0[c]);
+fn blend_rows(weights: &Weights1, first: usize, net: &Rows<'_>, lines: &mut [[f32; 16]]) {
+    let mut flat = [[0.0; 16]; 4];
+    for (to, from) in flat.iter_mut().zip(net) {
+        for (to, from) in to.as_chunks_mut().0.iter_mut().zip(*from) {
+            *to = from.0;
         }
     }
-    out
+    for (j, line) in lines.iter_mut().enumerate() {
+        one_by_one();
+        mix(&flat, weights.at(first + j), line);
+    }
 }
 
 /// Component `c` of four points.
 #[inline(always)]
-fn four(q: &[P4; 4], c: usize) -> [f32; 4] {
-    [q[0].0[c], q[1].0[c], q[2].0[c], q[3].0[c]]
+fn four(q: &[f32; 16], c: usize) -> [f32; 4] {
+    [q[c], q[4 + c], q[8 + c], q[12 + c]]
+}
+
+/// Four points, one by one.
+#[inline(always)]
+fn points_of(q: &[f32; 16]) -> [P4; 4] {
+    [0, 4, 8, 12].map(|k| P4([q[k], q[k + 1], q[k + 2], q[k + 3]]))
 }
 
 /// A normal for points where the tangents are parallel: that of the patch as a whole.
