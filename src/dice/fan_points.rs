@@ -312,11 +312,12 @@ fn ring_sums(t: &Topology, fan: &Fan, points: &[[f32; 3]], mask: Option<&Tangent
         ends: [zero; 2],
         tangents: [zero; 2],
     };
-    let weight = |i: usize| mask.map_or([0.0; 2], |m| m.weights[i]);
-    let mut sector = 0;
+    let weights = mask.map_or(&[][..], |m| &m.weights[..]);
+    let weight = |i: usize| weights.get(i).copied().unwrap_or([0.0; 2]);
+    let (mut sector, mut last) = (0, fan.first);
     for h in Ring::of_fan(t, t.fan(fan.first)) {
         let next = t.next(h);
-        let (e, f, after) = (at(next), at(t.next(next)), at(t.prev(h)));
+        let (e, f) = (at(next), at(t.next(next)));
         if sector == 0 {
             s.ends[0] = e;
         }
@@ -327,8 +328,9 @@ fn ring_sums(t: &Topology, fan: &Fan, points: &[[f32; 3]], mask: Option<&Tangent
             s.tangents[k] = add(add(s.tangents[k], e, we[k]), f, wf[k]);
         }
         sector += 1;
-        s.ends[1] = after;
+        last = h;
     }
+    s.ends[1] = at(t.prev(last));
     if !fan.closed {
         let we = weight(2 * sector);
         for k in 0..2 {
