@@ -21,14 +21,14 @@ pub enum Target {
 
 /// Four weights at each place of a line, padded by 16 places that repeat the last one.
 #[derive(Clone, Debug)]
-pub(crate) struct Line {
+pub(crate) struct LineWeights {
     /// By control point, for lanes over places.
     lanes: [Vec<f32>; 4],
     /// By place.
     places: Vec<[f32; 4]>,
 }
 
-impl Line {
+impl LineWeights {
     fn new(weights: impl Iterator<Item = [f64; 4]>) -> Self {
         let mut places: Vec<[f32; 4]> = weights.map(|w| w.map(|w| w as f32)).collect();
         let last = places.last().copied().unwrap_or_default();
@@ -58,11 +58,11 @@ impl Line {
 #[derive(Clone, Debug)]
 pub(crate) struct Basis {
     /// Weights of the four control points for the position.
-    pub(crate) point: Line,
+    pub(crate) point: LineWeights,
     /// Weights for the first derivative of the limit.
-    pub(crate) slope: Line,
+    pub(crate) slope: LineWeights,
     /// Weights for the position of the limit (the same as `point` for [`Target::Limit`]).
-    pub(crate) limit: Line,
+    pub(crate) limit: LineWeights,
     /// Weights of left or right neighbour, and of the centre, for a point on a line of control points.
     pub(crate) across: [f32; 2],
 }
@@ -90,7 +90,7 @@ impl Basis {
         let limit = sample(n, spline);
         let point = match target {
             Target::Limit => limit.clone(),
-            Target::Refined => Line::new(refined(level).into_iter()),
+            Target::Refined => LineWeights::new(refined(level).into_iter()),
         };
         let [side, centre, ..] = point.at(0);
         Self {
@@ -102,8 +102,8 @@ impl Basis {
     }
 }
 
-fn sample(n: usize, f: impl Fn(f64) -> [f64; 4]) -> Line {
-    Line::new((0..=n).map(|i| f(i as f64 / n as f64)))
+fn sample(n: usize, f: impl Fn(f64) -> [f64; 4]) -> LineWeights {
+    LineWeights::new((0..=n).map(|i| f(i as f64 / n as f64)))
 }
 
 /// Values of the four cubic B-splines at `t` in 0…1.

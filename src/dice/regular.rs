@@ -3,7 +3,7 @@
 //! First the four rows of the net are blended into four points per row of the grid, with lanes along v, then every lane of a row blends
 //! those four. Sums run as `(w0 p0 + w3 p3) + (w1 p1 + w2 p2)` everywhere.
 
-use super::basis::{Basis, Line as Weights1, Target};
+use super::basis::{Basis, LineWeights, Target};
 use super::point::P4;
 use super::sheet::{Quadrant, Rows, Sheet};
 use crate::records::{BLOCK_STRIDE, Grid3};
@@ -379,7 +379,7 @@ pub(super) type Lines = [[[f32; 16]; ROWS]; 2];
 
 /// The columns of a net, each blended for the rows from `first` on.
 #[inline(always)]
-fn blend_rows(weights: &Weights1, first: usize, net: &Rows<'_>, lines: &mut [[f32; 16]]) {
+fn blend_rows(weights: &LineWeights, first: usize, net: &Rows<'_>, lines: &mut [[f32; 16]]) {
     let mut flat = [[0.0; 16]; 4];
     for (to, from) in flat.iter_mut().zip(net) {
         for (to, from) in to.as_chunks_mut().0.iter_mut().zip(*from) {
