@@ -19,15 +19,50 @@ pub enum Target {
     Refined,
 }
 
-/// Weights at `0, 1/n, … 1` with `n = 2^level`. Arrays are padded by 16 entries that repeat the last one.
+/// Four weights at each place of a line, padded by 16 places that repeat the last one.
+#[derive(Clone, Debug)]
+pub(crate) struct LineWeights {
+    /// By control point, for lanes over places.
+    lanes: [Vec<f32>; 4],
+    /// By place.
+    places: Vec<[f32; 4]>,
+}
+
+impl LineWeights {
+    fn new(weights: impl Iterator<Item = [f64; 4]>) -> Self {
+        let mut places: Vec<[f32; 4]> = weights.map(|w| w.map(|w| w as f32)).collect();
+        let last = places.last().copied().unwrap_or_default();
+        places.resize(places.len() + 16, last);
+        let lanes = std::array::from_fn(|k| places.iter().map(|w| w[k]).collect());
+        Self { lanes, places }
+    }
+
+    /// The weights at one place.
+    #[inline(always)]
+    pub(crate) fn at(&self, place: usize) -> [f32; 4] {
+        self.places[place]
+    }
+
+    /// The weights at `W` places from one on, by control point.
+    #[inline(always)]
+    pub(crate) fn lanes<const W: usize>(&self, place: usize) -> [[f32; W]; 4] {
+        let mut out = [[0.0; W]; 4];
+        for (out, w) in out.iter_mut().zip(&self.lanes) {
+            out.copy_from_slice(&w[place..place + W]);
+        }
+        out
+    }
+}
+
+/// Weights at `0, 1/n, … 1` with `n = 2^level`.
 #[derive(Clone, Debug)]
 pub(crate) struct Basis {
     /// Weights of the four control points for the position.
-    pub(crate) point: [Vec<f32>; 4],
+    pub(crate) point: LineWeights,
     /// Weights for the first derivative of the limit.
-    pub(crate) slope: [Vec<f32>; 4],
+    pub(crate) slope: LineWeights,
     /// Weights for the position of the limit (the same as `point` for [`Target::Limit`]).
-    pub(crate) limit: [Vec<f32>; 4],
+    pub(crate) limit: LineWeights,
     /// Weights of left or right neighbour, and of the centre, for a point on a line of control points.
     pub(crate) across: [f32; 2],
 }
@@ -55,30 +90,20 @@ impl Basis {
         let limit = sample(n, spline);
         let point = match target {
             Target::Limit => limit.clone(),
-            Target::Refined => {
-                let rows = refined(level);
-                std::array::from_fn(|k| padded(rows.iter().map(|r| r[k])))
-            }
+            Target::Refined => LineWeights::new(refined(level).into_iter()),
         };
-        let across = [point[0][0], point[1][0]];
+        let [side, centre, ..] = point.at(0);
         Self {
             point,
             slope: sample(n, spline_slope),
             limit,
-            across,
+            across: [side, centre],
         }
     }
 }
 
-fn padded(values: impl Iterator<Item = f64>) -> Vec<f32> {
-    let mut out: Vec<f32> = values.map(|w| w as f32).collect();
-    let last = out.last().copied().unwrap_or(0.0);
-    out.resize(out.len() + 16, last);
-    out
-}
-
-fn sample(n: usize, f: impl Fn(f64) -> [f64; 4]) -> [Vec<f32>; 4] {
-    std::array::from_fn(|k| padded((0..=n).map(|i| f(i as f64 / n as f64)[k])))
+fn sample(n: usize, f: impl Fn(f64) -> [f64; 4]) -> LineWeights {
+    LineWeights::new((0..=n).map(|i| f(i as f64 / n as f64)))
 }
 
 /// Values of the four cubic B-splines at `t` in 0…1.
@@ -139,8 +164,8 @@ mod tests {
             for level in 0..=MAX_LEVEL {
                 let b = Basis::get(target, level);
                 for i in 0..=1 << level {
-                    let sum: f32 = (0..4).map(|k| b.point[k][i]).sum();
-                    let slope: f32 = (0..4).map(|k| b.slope[k][i]).sum();
+                    let sum: f32 = b.point.at(i).iter().sum();
+                    let slope: f32 = b.slope.at(i).iter().sum();
                     assert!(
                         (sum - 1.0).abs() < 3e-7 && slope.abs() < 3e-7,
                         "{target:?} {level} {i}"
@@ -153,9 +178,7 @@ mod tests {
     #[test]
     fn one_refinement_is_the_cubic_mask() {
         let b = Basis::get(Target::Refined, 1);
-        let rows: Vec<[f32; 4]> = (0..3)
-            .map(|i| std::array::from_fn(|k| b.point[k][i]))
-            .collect();
+        let rows: Vec<[f32; 4]> = (0..3).map(|i| b.point.at(i)).collect();
         assert_eq!(
             rows,
             [
@@ -172,8 +195,8 @@ mod tests {
         for k in 0..4 {
             for i in 0..=8 {
                 assert_eq!(
-                    coarse.point[k][i].to_bits(),
-                    fine.point[k][16 * i].to_bits()
+                    coarse.point.at(i)[k].to_bits(),
+                    fine.point.at(16 * i)[k].to_bits()
                 );
             }
         }

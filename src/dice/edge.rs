@@ -13,7 +13,7 @@
 use super::basis::{Basis, Target};
 use super::net::Net;
 use super::point::P4;
-use super::regular::{LANES, Lanes3, blend, mix3, one_by_one, take, unit_lanes, unit_of, weights};
+use super::regular::{LANES, Lanes3, blend, mix3, one_by_one, unit_lanes, unit_of};
 use crate::records::{BLOCK_STRIDE, Grid3};
 use crate::simd::Level;
 use std::hint::black_box;
@@ -87,10 +87,22 @@ pub(super) trait Put {
 
 /// A row or column of a block.
 pub(super) struct GridLine<'a> {
-    pub(super) grid: &'a mut Grid3,
+    grid: &'a mut Grid3,
     /// Index of the first place, and from one place to the next.
-    pub(super) first: usize,
-    pub(super) step: usize,
+    first: usize,
+    step: usize,
+}
+
+impl<'a> GridLine<'a> {
+    /// Row or column `across`, whichever side `c` is.
+    #[inline(always)]
+    pub(super) fn new(grid: &'a mut Grid3, c: usize, across: usize) -> Self {
+        let (first, step) = match c & 1 {
+            0 => (across * BLOCK_STRIDE, 1),
+            _ => (across, BLOCK_STRIDE),
+        };
+        Self { grid, first, step }
+    }
 }
 
 impl Put for GridLine<'_> {
@@ -98,7 +110,19 @@ impl Put for GridLine<'_> {
     fn put<const W: usize>(&mut self, at: usize, n: usize, values: &Lanes3<W>) {
         let first = self.first + at * self.step;
         let Grid3 { x, y, z } = &mut *self.grid;
-        if self.step > 1 {
+        if self.step > 1 && n == W {
+            let last = first + (W - 1) * BLOCK_STRIDE;
+            let (x, y, z) = (
+                &mut x[first..=last],
+                &mut y[first..=last],
+                &mut z[first..=last],
+            );
+            for i in 0..W {
+                x[i * BLOCK_STRIDE] = values.0[0][i];
+                y[i * BLOCK_STRIDE] = values.0[1][i];
+                z[i * BLOCK_STRIDE] = values.0[2][i];
+            }
+        } else if self.step > 1 {
             let last = first + (n - 1) * BLOCK_STRIDE;
             let (x, y, z) = (
                 &mut x[first..=last],
@@ -161,12 +185,14 @@ pub(super) struct SideRange {
     pub(super) start: u32,
 }
 
-/// Three by four control points along a side of a face, in the direction in which u or v grows; `minus` on the side of the lower v or u.
+/// Three by four control points along a side of a face, in the direction in which u or v grows, where they stand in a net.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Strip {
-    pub(super) minus: [P4; 4],
-    pub(super) centre: [P4; 4],
-    pub(super) plus: [P4; 4],
+pub(super) struct Strip<'a> {
+    net: &'a Net<5>,
+    /// Row or column of the middle line; the one before is on the side of the lower v or u.
+    line: usize,
+    /// Columns or rows of the four.
+    places: [usize; 4],
     /// Whether it runs along v.
     vertical: bool,
 }
@@ -182,34 +208,48 @@ pub(super) struct Span {
     pub(super) own: [u32; 2],
 }
 
-impl Strip {
+impl Span {
+    /// The places of a range that the strip shows, and the level that they have there.
+    #[inline(always)]
+    pub(super) fn run(&self, range: SideRange) -> Option<(Run, u32)> {
+        let round = (1 << range.shift) - 1;
+        let low = ((self.own[0] + round) >> range.shift).max(range.low);
+        let high = (self.own[1] >> range.shift).min(range.high);
+        let run = |low: u32, high: u32| Run {
+            at: (low - range.start) as usize,
+            first: (low - (self.first >> range.shift)) as usize,
+            count: (high - low + 1) as usize,
+        };
+        (low <= high).then(|| (run(low, high), self.level.saturating_sub(range.shift)))
+    }
+}
+
+impl<'a> Strip<'a> {
     /// The strip along side `side` of the spline whose net begins at a row and column of `net`.
     #[inline(always)]
-    pub(super) fn of<const N: usize>(net: &Net<N>, [row, col]: [usize; 2], side: usize) -> Self {
+    pub(super) fn of(net: &'a Net<5>, [row, col]: [usize; 2], side: usize) -> Self {
         // The line of control points that belongs to the side.
         let middle = if side == 1 || side == 2 { 2 } else { 1 };
-        let mut lines = [[P4::ZERO; 4]; 3];
-        for (k, line) in (middle - 1..).zip(&mut lines) {
-            if side & 1 == 0 {
-                line.copy_from_slice(&net[row + k][col..col + 4]);
-            } else {
-                for (point, net) in line.iter_mut().zip(&net[row..row + 4]) {
-                    *point = net[col + k];
-                }
-            }
-        }
-        let [minus, centre, plus] = lines;
+        let (line, first) = match side & 1 {
+            0 => (row & 1, col & 1),
+            _ => (col & 1, row & 1),
+        };
         Self {
-            minus,
-            centre,
-            plus,
+            net,
+            line: line + middle,
+            places: [0, 1, 2, 3].map(|i| first + i),
             vertical: side & 1 == 1,
         }
     }
 
     /// The strip whose begin or end is the middle of side `side`, from the once-refined net, as the half at the end `high` or low says
     /// it; and whether it is the strip's end.
-    pub(super) fn at_middle(net: &Net<5>, side: usize, high: bool, regular: bool) -> (Self, bool) {
+    pub(super) fn at_middle(
+        net: &'a Net<5>,
+        side: usize,
+        high: bool,
+        regular: bool,
+    ) -> (Self, bool) {
         let middle = if side == 1 || side == 2 { 3 } else { 1 };
         // An irregular end has no regular row behind it, and the row at the far end has no weight in the middle.
         let places = match (high, regular) {
@@ -218,39 +258,49 @@ impl Strip {
             (true, true) => [1, 2, 3, 4],
             (true, false) => [1, 1, 2, 3],
         };
-        let line = |k: usize| -> [P4; 4] {
-            places.map(|i| match side & 1 {
-                0 => net[k][i],
-                _ => net[i][k],
-            })
-        };
         let strip = Self {
-            minus: line(middle - 1),
-            centre: line(middle),
-            plus: line(middle + 1),
+            net,
+            line: middle,
+            places,
             vertical: side & 1 == 1,
         };
         (strip, high != regular)
     }
 
+    /// What `f` makes of the four points of the line before, of the middle line and of the line after.
+    #[inline(always)]
+    fn each(&self, f: impl Fn(P4, P4, P4) -> P4) -> [P4; 4] {
+        let Self { net, line: k, .. } = *self;
+        let mut out = [P4::ZERO; 4];
+        if self.vertical {
+            for (out, &i) in out.iter_mut().zip(&self.places) {
+                *out = f(net[i][k - 1], net[i][k], net[i][k + 1]);
+            }
+        } else {
+            let (low, middle, high) = (&net[k - 1], &net[k], &net[k + 1]);
+            for (out, &i) in out.iter_mut().zip(&self.places) {
+                *out = f(low[i], middle[i], high[i]);
+            }
+        }
+        // Through memory: the compiler would leave out the fourth of each point and go through the others one by one.
+        black_box(out)
+    }
+
     /// The strip's middle line: each centre blended with its neighbours.
     #[inline(always)]
     fn across(&self, [side, centre]: [f32; 2]) -> [P4; 4] {
-        let mut out = [P4::ZERO; 4];
-        for i in 0..4 {
-            out[i] = (self.minus[i] + self.plus[i]) * side + self.centre[i] * centre;
-        }
-        out
+        self.each(|minus, middle, plus| (minus + plus) * side + middle * centre)
     }
 
     /// Differences across, and a normal for points where the tangents are parallel.
     #[inline(always)]
     fn slopes(&self) -> ([P4; 4], [f32; 3]) {
-        let mut across = [P4::ZERO; 4];
-        for i in 0..4 {
-            across[i] = self.plus[i] - self.minus[i];
-        }
-        let along = self.centre[2] - self.centre[1];
+        let across = self.each(|minus, _, plus| plus - minus);
+        let centre = |i: usize| match self.vertical {
+            false => self.net[self.line][self.places[i]],
+            true => self.net[self.places[i]][self.line],
+        };
+        let along = centre(2) - centre(1);
         let normal = if self.vertical {
             (across[1] + across[2]).cross(along)
         } else {
@@ -264,32 +314,20 @@ impl Strip {
         (across, spare)
     }
 
-    /// Samples that the strip shows, points and normals.
+    /// Points and normals of a run of places of a level.
     #[inline(always)]
     pub(super) fn sample(
         &self,
-        span: Span,
-        range: SideRange,
+        run: Run,
+        target: Target,
+        level: u32,
         points: &mut impl Put,
         normals: Option<&mut impl Put>,
     ) {
-        let round = (1 << range.shift) - 1;
-        let low = ((span.own[0] + round) >> range.shift).max(range.low);
-        let high = (span.own[1] >> range.shift).min(range.high);
-        if low > high {
-            return;
-        }
-        let level = span.level.saturating_sub(range.shift);
-        let run = Run {
-            at: (low - range.start) as usize,
-            first: (low - (span.first >> range.shift)) as usize,
-            count: (high - low + 1) as usize,
-        };
         match run.count {
-            9.. => self.sample_lanes::<16>(run, range.target, level, points, normals),
-            5..=8 => self.sample_lanes::<8>(run, range.target, level, points, normals),
-            3..=4 => self.sample_lanes::<4>(run, range.target, level, points, normals),
-            _ => self.sample_singly(run, range.target, level, points, normals),
+            9.. => self.sample_lanes::<16>(run, target, level, points, normals),
+            5..=8 => self.sample_lanes::<8>(run, target, level, points, normals),
+            _ => self.sample_lanes::<4>(run, target, level, points, normals),
         }
     }
 
@@ -306,7 +344,7 @@ impl Strip {
         let row = self.across(basis.across);
         let mut line = Lanes3::<W>::zeros();
         for i in (0..run.count).step_by(W) {
-            mix3(&take::<W>(&basis.point, run.first + i), &row, &mut line);
+            mix3(&basis.point.lanes::<W>(run.first + i), &row, &mut line);
             points.put(run.at + i, (run.count - i).min(W), &line);
         }
         let Some(normals) = normals else { return };
@@ -315,8 +353,8 @@ impl Strip {
         let (mut du, mut dv) = (Lanes3::<W>::zeros(), Lanes3::<W>::zeros());
         let lanes = black_box(W);
         for i in (0..run.count).step_by(W) {
-            mix3(&take::<W>(&basis.slope, run.first + i), &along, &mut du);
-            mix3(&take::<W>(&basis.limit, run.first + i), &across, &mut dv);
+            mix3(&basis.slope.lanes::<W>(run.first + i), &along, &mut du);
+            mix3(&basis.limit.lanes::<W>(run.first + i), &across, &mut dv);
             if self.vertical {
                 unit_lanes(&dv, &du, lanes, spare, &mut line);
             } else {
@@ -326,35 +364,14 @@ impl Strip {
         }
     }
 
-    #[inline(always)]
-    fn sample_singly(
-        &self,
-        run: Run,
-        target: Target,
-        level: u32,
-        points: &mut impl Put,
-        normals: Option<&mut impl Put>,
-    ) {
-        let basis = Basis::get(target, level);
-        let row = self.across(basis.across);
-        for i in 0..run.count {
-            let p = blend(weights(&basis.point, run.first + i), row);
-            points.put_one(run.at + i, [p.0[0], p.0[1], p.0[2]]);
-        }
-        let Some(normals) = normals else { return };
-        for i in 0..run.count {
-            normals.put_one(run.at + i, self.normal(level, run.first + i));
-        }
-    }
-
     /// Normal at one place of a level.
     #[inline(always)]
     fn normal(&self, level: u32, at: usize) -> [f32; 3] {
         let basis = Basis::get(Target::Limit, level);
         let along = self.across(Basis::get(Target::Limit, 0).across);
         let (across, spare) = self.slopes();
-        let du = blend(weights(&basis.slope, at), along).xyz();
-        let dv = blend(weights(&basis.limit, at), across).xyz();
+        let du = blend(basis.slope.at(at), along).xyz();
+        let dv = blend(basis.limit.at(at), across).xyz();
         if self.vertical {
             unit_of(dv, du, spare)
         } else {
@@ -366,7 +383,7 @@ impl Strip {
     pub(super) fn end(&self, target: Target, level: u32, end: bool) -> [f32; 3] {
         let basis = Basis::get(target, level);
         let at = if end { 1 << level } else { 0 };
-        blend(weights(&basis.point, at), self.across(basis.across)).xyz()
+        blend(basis.point.at(at), self.across(basis.across)).xyz()
     }
 
     pub(super) fn end_normal(&self, level: u32, end: bool) -> [f32; 3] {
@@ -376,7 +393,7 @@ impl Strip {
 
 /// Places of a line, and the first of them on a strip.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+pub(super) struct Run {
     at: usize,
     first: usize,
     count: usize,
@@ -390,7 +407,7 @@ pub(super) fn sample_polygon(p: &[P4; 4], level: u32, range: SideRange, points: 
     let mut line = Lanes3::<16>::zeros();
     for i in (0..count).step_by(16) {
         mix3(
-            &take::<16>(&basis.point, range.low as usize + i),
+            &basis.point.lanes::<16>(range.low as usize + i),
             p,
             &mut line,
         );
@@ -425,7 +442,7 @@ pub(crate) fn sample_boundary(
 ) {
     let basis = Basis::get(target, level);
     for i in 0..=1_usize << level {
-        let w: [f32; 4] = std::array::from_fn(|k| basis.point[k][i]);
+        let w: [f32; 4] = basis.point.at(i);
         let q = (p[0] * w[0] + p[3] * w[3]) + (p[1] * w[1] + p[2] * w[2]);
         for c in 0..3 {
             out.points[c][(at + i as i64 * step) as usize] = q.0[c];

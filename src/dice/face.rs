@@ -13,9 +13,10 @@ use super::net::{
     Net, corner_origin, fill_phantoms, gather_net, once_refined, open_sides, put_corner,
     refine_node, turn, turn_back,
 };
+use super::plan::Plan;
 use super::point::P4;
 use super::regular::{BlockRange, dice_sheets};
-use super::sheet::{HIGH, Sheet};
+use super::sheet::{HIGH, Sheet, Sheets};
 use super::window::Window;
 use crate::dispatch;
 use crate::records::{BlockSize, Grid3};
@@ -96,7 +97,7 @@ impl Part {
 pub struct FacePatch {
     pub(super) level: u32,
     pub(super) target: Target,
-    pub(super) sheets: Vec<Sheet>,
+    pub(super) sheets: Sheets,
     /// Points between the splines of a quad with deeper levels.
     pub(super) dots: Vec<Dot>,
     pub(super) owner: Option<Box<Owner>>,
@@ -105,8 +106,8 @@ pub struct FacePatch {
     /// Sides of a quad with deeper levels.
     pub(super) sides: [EdgeSamples; 4],
     pub(super) corners: [([f32; 3], [f32; 3]); 4],
-    /// Control points around the quad; what lies beyond irregular corners is not set.
-    pub(super) whole_net: Net<4>,
+    /// Control points around a quad that is not one spline; what lies beyond irregular corners is not set.
+    pub(super) whole_net: Net<5>,
     /// Sides that are one strip of `whole_net`, bit by bit.
     pub(super) whole: u8,
     /// Polygons of the curves of sides on a boundary, in the direction in which u or v grows.
@@ -115,6 +116,8 @@ pub struct FacePatch {
     pub(super) middles: [[bool; 2]; 4],
     windows: [Window; 4],
     pub(super) wanted: Sides,
+    /// Which corners are regular, bit by bit, of faces without deeper levels.
+    pub(super) regular: Option<u8>,
     /// Control points that no spline stands for, in hulls only.
     pub(super) hull: Vec<P4>,
     pub(crate) fault: DiceFault,
@@ -127,18 +130,19 @@ impl Default for FacePatch {
         Self {
             level: 0,
             target: Target::Limit,
-            sheets: Vec::new(),
+            sheets: Sheets::default(),
             dots: Vec::new(),
             owner: None,
             refined: false,
             sides: Default::default(),
             corners: Default::default(),
-            whole_net: [[P4::ZERO; 4]; 4],
+            whole_net: [[P4::ZERO; 5]; 5],
             whole: 0,
             polygons: [None; 4],
             middles: [[false; 2]; 4],
             windows: [const { Window::EMPTY }; 4],
             wanted: Sides::Hull,
+            regular: None,
             hull: Vec::new(),
             fault: DiceFault::None,
             simd: Level::SCALAR,
@@ -171,6 +175,9 @@ impl FacePatch {
             _ if level == 0 => {}
             _ => self.prepare_patch(channel, q),
         }
+        if self.refined {
+            self.regular = None;
+        }
     }
 
     /// Empties the buffers for the next quad.
@@ -178,6 +185,7 @@ impl FacePatch {
         self.level = level;
         self.target = target;
         self.wanted = sides;
+        self.regular = None;
         self.sheets.clear();
         self.dots.clear();
         self.hull.clear();
@@ -189,11 +197,14 @@ impl FacePatch {
         let t = channel.topology;
         let fans: [u32; 4] = std::array::from_fn(|c| t.fan(4 * q + c as u32));
         let regular = fans.map(|f| t.fans()[f as usize].is_regular());
-        self.whole_net = gather_net(t, channel.points, q);
         if regular == [true; 4] {
             self.whole = 0b1111;
-            self.sheets.push(Sheet::whole(&self.whole_net, self.level));
+            self.regular = Some(0b1111);
+            let sheet = self.sheets.add();
+            gather_net(t, channel.points, q, &mut sheet.net);
+            sheet.be_whole(self.level);
         } else {
+            gather_net(t, channel.points, q, &mut self.whole_net);
             self.prepare_irregular(channel, q, fans, regular);
         }
         if self.wanted > Sides::None {
@@ -222,7 +233,13 @@ impl FacePatch {
         // Depth 1, then on towards each irregular corner.
         let open = open_sides(t, q);
         let rules = fans.map(|f| t.fans()[f as usize].rule);
-        let mut net = once_refined(&self.whole_net, open, rules);
+        let half = 1_u32 << (level - 1);
+        let mask = (0..4).fold(0, |mask, c| mask | u8::from(regular[c]) << c);
+        self.regular = Some(mask);
+        let number = self.sheets.len();
+        let first = self.sheets.add();
+        let net = &mut first.net;
+        once_refined(&self.whole_net, open, rules, net);
         let mut corners = [const { None }; 4];
         for c in (0..4).filter(|&c| !regular[c]) {
             let reach = if shallow { 3 } else { level as usize + 1 };
@@ -231,36 +248,32 @@ impl FacePatch {
             if let Some(series) = &mut series {
                 self.windows[c].step(series.step());
             }
-            put_corner(&mut net, c, &self.windows[c].near(), false);
+            put_corner(net, c, &self.windows[c].near(), false);
             if shallow {
                 let hull = &mut self.hull;
                 self.windows[c].each(|p| hull.push(p));
             }
             corners[c] = series;
         }
-        fill_phantoms(&mut net, open);
-        let half = 1_u32 << (level - 1);
-        let mask = (0..4).fold(0, |mask, c| mask | u8::from(regular[c]) << c);
-        self.sheets.push(Sheet {
-            net,
-            origin: [0; 2],
-            size: half,
-            level: level - 1,
-            corner: 0,
-            present: mask,
-            own: [[0; 2], [2 * half; 2]],
-        });
+        fill_phantoms(net, 4, open);
+        first.origin = [0; 2];
+        first.size = half;
+        first.level = level - 1;
+        first.corner = 0;
+        first.present = mask;
+        first.own = [[0; 2], [2 * half; 2]];
         if mask == 0 {
-            let mut at: Net<4> =
-                std::array::from_fn(|r| std::array::from_fn(|k| net[1 + r][1 + k]));
-            at[3][3] = P4::ZERO;
-            self.sheets
-                .push(Sheet::single(&at, [half; 2], 0, level - 1));
+            let at = |r: usize, k: usize| match (r, k) {
+                (3, 3) => P4::ZERO,
+                _ => net[1 + r][1 + k],
+            };
+            let at: Net<4> = std::array::from_fn(|r| std::array::from_fn(|k| at(r, k)));
+            self.add_point(&at, [half; 2]);
         }
         if shallow {
             // The points diagonally beyond irregular corners are not set.
             let diagonal = [(0, 0), (0, 4), (4, 4), (4, 0)];
-            for (r, row) in net.iter().enumerate() {
+            for (r, row) in self.sheets[number].net.iter().enumerate() {
                 for (k, p) in row.iter().enumerate() {
                     if !(0..4).any(|c| !regular[c] && diagonal[c] == (r, k)) {
                         self.hull.push(*p);
@@ -270,21 +283,30 @@ impl FacePatch {
             return;
         }
         if level == 1 || self.wanted == Sides::None {
-            self.middle_dots(&net, regular);
+            self.middle_dots(number, regular);
         }
         for c in 0..4 {
             if let Some(series) = corners[c] {
-                self.refine_corner(c, &net, regular, series);
+                self.refine_corner(c, number, regular, series);
             }
         }
     }
 
-    /// Adds the middles of sides between two irregular corners, which no spline reaches.
-    fn middle_dots(&mut self, net: &Net<5>, regular: [bool; 4]) {
+    /// Adds a spline of which only the first corner is seen, in the middle of the face or of a side.
+    fn add_point(&mut self, net: &Net<4>, origin: [u32; 2]) {
+        let sheet = self.sheets.add();
+        for (to, from) in sheet.net.iter_mut().zip(net) {
+            to[..4].copy_from_slice(from);
+        }
+        sheet.be_single(origin, 0, self.level - 1);
+    }
+
+    /// Adds the middles of sides between two irregular corners, which no spline reaches; `first` is the widest sheet.
+    fn middle_dots(&mut self, first: usize, regular: [bool; 4]) {
         let half = 1_u32 << (self.level - 1);
         for c in (0..4).filter(|&c| !regular[c] && !regular[(c + 1) % 4]) {
             // Without orientation: one point.
-            let full = turn(net, c);
+            let full = turn(&self.sheets[first].net, c);
             let at = std::array::from_fn(|r| {
                 std::array::from_fn(|k| {
                     if r < 3 && k < 3 {
@@ -295,19 +317,17 @@ impl FacePatch {
                 })
             });
             let origin = [[1, 0], [2, 1], [1, 2], [0, 1]][c];
-            let origin = origin.map(|k| k * half);
-            self.sheets
-                .push(Sheet::single(&at, origin, 0, self.level - 1));
+            self.add_point(&at, origin.map(|k| k * half));
         }
     }
 
-    /// Sheets towards the irregular corner `c`.
-    fn refine_corner(&mut self, c: usize, net: &Net<5>, regular: [bool; 4], mut series: FanSeries) {
+    /// Sheets towards the irregular corner `c`; `first` is the widest sheet.
+    fn refine_corner(&mut self, c: usize, first: usize, regular: [bool; 4], mut series: FanSeries) {
         let level = self.level;
         if level < 2 {
             return;
         }
-        let full = turn(net, c);
+        let full = turn(&self.sheets[first].net, c);
         let mut node: Net<4> = std::array::from_fn(|r| std::array::from_fn(|k| full[r][k]));
         let n = 1_u32 << level;
         for depth in 2..=level {
@@ -327,15 +347,14 @@ impl FacePatch {
                     high[k] -= 1;
                 }
             }
-            self.sheets.push(Sheet {
-                net: turn_back(&next, c),
-                origin,
-                size,
-                level: level - depth,
-                corner: c,
-                present: 0b1111 & !(1 << c),
-                own: [low, high],
-            });
+            let sheet = self.sheets.add();
+            turn_back(&next, c, &mut sheet.net);
+            sheet.origin = origin;
+            sheet.size = size;
+            sheet.level = level - depth;
+            sheet.corner = c;
+            sheet.present = 0b1111 & !(1 << c);
+            sheet.own = [low, high];
             node = std::array::from_fn(|r| std::array::from_fn(|k| next[r][k]));
         }
     }
@@ -397,21 +416,30 @@ impl FacePatch {
             low: [start[0], start[1] + rows[0]].map(|k| k.max(inner)),
             high: [start[0] + segments, start[1] + rows[1]].map(|k| k.min(n - inner)),
         };
-        dispatch!(
-            self.simd,
-            dice_sheets(
-                &self.sheets,
-                self.target,
-                range,
-                points,
-                normals.as_deref_mut()
-            )
-        );
-        if !self.dots.is_empty() {
-            self.put_dots(range, points, normals.as_deref_mut());
-        }
-        if self.wanted > Sides::None && self.level > 0 {
-            self.dice_sides(part, points, normals.as_deref_mut());
+        let whole = level == self.level && segments == n && rows == [0, n];
+        let plan = if whole { self.plan(part, range) } else { None };
+        if let Some(plan) = plan {
+            dispatch!(
+                self.simd,
+                self.dice_planned(plan, points, normals.as_deref_mut())
+            );
+        } else {
+            dispatch!(
+                self.simd,
+                dice_sheets(
+                    &self.sheets,
+                    self.target,
+                    range,
+                    points,
+                    normals.as_deref_mut()
+                )
+            );
+            if !self.dots.is_empty() {
+                self.put_dots(range, points, normals.as_deref_mut());
+            }
+            if self.wanted > Sides::None && self.level > 0 {
+                self.dice_sides(part, points, normals.as_deref_mut());
+            }
         }
         if self.refined && self.wanted <= Sides::None && self.level > 0 {
             return;
@@ -426,6 +454,14 @@ impl FacePatch {
                     normals.set(i, j, self.corners[c].1);
                 }
             }
+        }
+    }
+
+    #[inline(always)]
+    fn dice_planned(&self, plan: &Plan, points: &mut Grid3, mut normals: Option<&mut Grid3>) {
+        plan.dice(&self.sheets, self.target, points, normals.as_deref_mut());
+        if self.wanted > Sides::None {
+            self.put_planned(plan, points, normals);
         }
     }
 

@@ -293,8 +293,6 @@ struct RingSums {
     faces: V3,
     ends: [V3; 2],
     tangents: [V3; 2],
-    /// Sum of the cross products of neighbouring spokes: a normal when all else fails.
-    area: V3,
 }
 
 fn ring_sums(t: &Topology, fan: &Fan, points: &[[f32; 3]], mask: Option<&TangentMask>) -> RingSums {
@@ -313,26 +311,26 @@ fn ring_sums(t: &Topology, fan: &Fan, points: &[[f32; 3]], mask: Option<&Tangent
         faces: zero,
         ends: [zero; 2],
         tangents: [zero; 2],
-        area: zero,
     };
-    let weight = |i: usize| mask.map_or([0.0; 2], |m| m.weights[i]);
-    let mut sector = 0;
+    let weights = mask.map_or(&[][..], |m| &m.weights[..]);
+    let weight = |i: usize| weights.get(i).copied().unwrap_or([0.0; 2]);
+    let (mut sector, mut last) = (0, fan.first);
     for h in Ring::of_fan(t, t.fan(fan.first)) {
         let next = t.next(h);
-        let (e, f, after) = (at(next), at(t.next(next)), at(t.prev(h)));
+        let (e, f) = (at(next), at(t.next(next)));
         if sector == 0 {
             s.ends[0] = e;
         }
         s.edges = add(s.edges, e, 1.0);
         s.faces = add(s.faces, f, 1.0);
-        s.area = add(s.area, cross(e, after), 1.0);
         let (we, wf) = (weight(2 * sector), weight(2 * sector + 1));
         for k in 0..2 {
             s.tangents[k] = add(add(s.tangents[k], e, we[k]), f, wf[k]);
         }
         sector += 1;
-        s.ends[1] = after;
+        last = h;
     }
+    s.ends[1] = at(t.prev(last));
     if !fan.closed {
         let we = weight(2 * sector);
         for k in 0..2 {
@@ -340,6 +338,18 @@ fn ring_sums(t: &Topology, fan: &Fan, points: &[[f32; 3]], mask: Option<&Tangent
         }
     }
     s
+}
+
+/// Sum of the cross products of neighbouring spokes: a normal when all else fails.
+fn ring_area(t: &Topology, fan: &Fan, points: &[[f32; 3]]) -> V3 {
+    let origin = points[t.vertex(fan.first) as usize].map(f64::from);
+    let at = |h: u32| {
+        let p = points[t.vertex(h) as usize].map(f64::from);
+        [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
+    };
+    Ring::of_fan(t, t.fan(fan.first)).fold([0.0; 3], |area, h| {
+        add(area, cross(at(t.next(h)), at(t.prev(h))), 1.0)
+    })
 }
 
 fn series(t: &Topology, id: u32, points: &[[f32; 3]]) -> FanSeries {
@@ -476,7 +486,7 @@ fn evaluate_fan(
     }
     let normal = match fan.rule {
         FanRule::Corner if fan.faces == 1 => cross(s.ends[0], s.ends[1]),
-        FanRule::Corner => s.area,
+        FanRule::Corner => ring_area(t, &fan, points),
         _ => cross(s.tangents[0], s.tangents[1]),
     };
     // Tangents that cancel to rounding have no direction: compare with the size of what was summed.
@@ -484,7 +494,9 @@ fn evaluate_fan(
     let scale = size(s.tangents[0]) * size(s.tangents[1]);
     let flat = fan.rule != FanRule::Corner && size(normal) <= 1e-10 * scale;
     let chosen = if flat { None } else { unit(normal) };
-    let n = chosen.or_else(|| unit(s.area)).unwrap_or([0.0, 0.0, 1.0]);
+    let n = chosen
+        .or_else(|| unit(ring_area(t, &fan, points)))
+        .unwrap_or([0.0, 0.0, 1.0]);
     (limit, std::array::from_fn(|c| n[c] as f32))
 }
 

@@ -7,7 +7,6 @@
 use super::face::{Channel, FacePatch, Sides};
 use super::net::Net;
 use super::point::P4;
-use super::sheet::Sheet;
 
 /// The patch over corners `c` at column `i` and row `j` of its net.
 fn at(c: [P4; 4], i: usize, j: usize) -> P4 {
@@ -40,12 +39,17 @@ impl FacePatch {
         if self.level == 0 {
             return;
         }
-        let net: Net<4> = std::array::from_fn(|j| std::array::from_fn(|i| at(corners, i, j)));
-        self.sheets.push(Sheet::whole(&net, self.level));
+        let sheet = self.sheets.add();
+        for (j, row) in sheet.net[..4].iter_mut().enumerate() {
+            for (i, p) in row[..4].iter_mut().enumerate() {
+                *p = at(corners, i, j);
+            }
+        }
+        sheet.be_whole(self.level);
+        self.regular = Some(0b1111);
         if self.wanted <= Sides::None {
             return;
         }
-        self.whole_net = net;
         self.whole = 0b1111;
         for c in 0..4 {
             let (mut a, mut b) = (corners[c], corners[(c + 1) % 4]);

@@ -9,6 +9,7 @@ pub(crate) mod face;
 pub(crate) mod fan_points;
 mod linear;
 mod net;
+mod plan;
 mod point;
 pub(crate) mod presplit;
 mod regular;

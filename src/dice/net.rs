@@ -7,10 +7,15 @@ use crate::topology::{FanRule, NONE, Topology};
 /// A square of control points, row by row.
 pub(super) type Net<const N: usize, P = P4> = [[P; N]; N];
 
-/// The 16 control points of a regular quad; phantoms `2a − b` stand where a boundary leaves a row or column out.
-pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
+/// The 16 control points of a regular quad, in the first rows and columns of `net`; phantoms `2a − b` stand where a boundary leaves a row or
+/// column out.
+pub(super) fn gather_net<const N: usize>(
+    t: &Topology,
+    points: &[[f32; 3]],
+    q: u32,
+    net: &mut Net<N>,
+) {
     let at = |h: u32| P4::new(points[t.vertex(h) as usize]);
-    let mut net = [[P4::ZERO; 4]; 4];
     // Places in walking order around the square: corner, the two points beyond the side that leaves it, the point beyond the corner.
     const INNER: [(usize, usize); 4] = [(1, 1), (1, 2), (2, 2), (2, 1)];
     const BEYOND: [[(usize, usize); 2]; 4] = [
@@ -36,19 +41,22 @@ pub(super) fn gather_net(t: &Topology, points: &[[f32; 3]], q: u32) -> Net<4> {
         net[first.0][first.1] = at(twin ^ 2);
         net[second.0][second.1] = at(before(twin));
         let diagonal = t.twin(after(twin));
-        if diagonal != NONE {
-            net[DIAGONAL[c].0][DIAGONAL[c].1] = at(after(diagonal) ^ 2);
-        }
+        net[DIAGONAL[c].0][DIAGONAL[c].1] = match diagonal {
+            NONE => P4::ZERO,
+            _ => at(after(diagonal) ^ 2),
+        };
     }
-    fill_phantoms(&mut net, open);
-    net
+    fill_phantoms(net, 3, open);
 }
 
-/// Fills the rows and columns beyond the sides that are open; columns first, so that at a corner of two open sides both agree.
+/// Fills the rows and columns up to `last` beyond the sides that are open; columns first, so that at a corner of two open sides both agree.
 #[inline(always)]
-pub(super) fn fill_phantoms<const N: usize, P: Point>(net: &mut Net<N, P>, open: [bool; 4]) {
-    let last = N - 1;
-    for row in net.iter_mut() {
+pub(super) fn fill_phantoms<const N: usize, P: Point>(
+    net: &mut Net<N, P>,
+    last: usize,
+    open: [bool; 4],
+) {
+    for row in &mut net[..=last] {
         if open[3] {
             row[0] = P::beyond(row[1], row[2]);
         }
@@ -56,11 +64,13 @@ pub(super) fn fill_phantoms<const N: usize, P: Point>(net: &mut Net<N, P>, open:
             row[last] = P::beyond(row[last - 1], row[last - 2]);
         }
     }
-    if open[0] {
-        net[0] = std::array::from_fn(|c| P::beyond(net[1][c], net[2][c]));
-    }
-    if open[2] {
-        net[last] = std::array::from_fn(|c| P::beyond(net[last - 1][c], net[last - 2][c]));
+    for c in 0..=last {
+        if open[0] {
+            net[0][c] = P::beyond(net[1][c], net[2][c]);
+        }
+        if open[2] {
+            net[last][c] = P::beyond(net[last - 1][c], net[last - 2][c]);
+        }
     }
 }
 
@@ -78,9 +88,23 @@ pub(super) fn turn<const N: usize, P: Point>(net: &Net<N, P>, c: usize) -> Net<N
     }
 }
 
-/// Inverse of [`turn`].
-pub(super) fn turn_back<const N: usize>(net: &Net<N>, c: usize) -> Net<N> {
-    turn(net, (4 - c) % 4)
+/// Inverse of [`turn`], into its place.
+#[inline(always)]
+pub(super) fn turn_back(net: &Net<5>, c: usize, out: &mut Net<5>) {
+    #[inline(always)]
+    fn put(net: &Net<5>, mut at: impl FnMut(usize, usize, P4)) {
+        for (r, row) in net.iter().enumerate() {
+            for (k, p) in row.iter().enumerate() {
+                at(r, k, *p);
+            }
+        }
+    }
+    match c {
+        0 => put(net, |r, k, p| out[r][k] = p),
+        1 => put(net, |r, k, p| out[k][4 - r] = p),
+        2 => put(net, |r, k, p| out[4 - r][4 - k] = p),
+        _ => put(net, |r, k, p| out[4 - k][r] = p),
+    }
 }
 
 /// Grid origin of a square that lies at `place` seen from corner `c`.
@@ -99,10 +123,9 @@ pub(super) fn open_sides(t: &Topology, q: u32) -> [bool; 4] {
     [0, 1, 2, 3].map(|c| t.twin(4 * q + c) == NONE)
 }
 
-/// The 5×5 net after one step around a quad with net `n`. Of what lies beyond irregular corners only the points that it shares with regular
+/// The 5×5 net after one step around a quad with its net in the first rows and columns of `n`. Of what lies beyond irregular corners only the points that it shares with regular
 /// ones are right, and points beyond open sides are not set.
-pub(super) fn once_refined(n: &Net<4>, open: [bool; 4], rules: [FanRule; 4]) -> Net<5> {
-    let mut out = [[P4::ZERO; 5]; 5];
+pub(super) fn once_refined(n: &Net<5>, open: [bool; 4], rules: [FanRule; 4], out: &mut Net<5>) {
     for r in 0..3 {
         for k in 0..3 {
             out[2 * r][2 * k] = face_point(n[r][k], n[r][k + 1], n[r + 1][k + 1], n[r + 1][k]);
@@ -140,7 +163,6 @@ pub(super) fn once_refined(n: &Net<4>, open: [bool; 4], rules: [FanRule; 4]) -> 
             })),
         };
     }
-    out
 }
 
 /// Puts what is around corner `c` at depth 1 in its place of the 5×5 net.
@@ -214,7 +236,7 @@ pub(super) fn refine_node<P: Point>(node: &Net<4, P>, w: &impl Around<P>) -> Net
     out[0][4] = face_at(n, 0, 2);
     out[3][0] = across(n, 2, 0);
     out[4][0] = face_at(n, 2, 0);
-    fill_phantoms(&mut out, [!below, false, false, !left]);
+    fill_phantoms(&mut out, 4, [!below, false, false, !left]);
     out
 }
 

@@ -3,7 +3,7 @@
 //! First the four rows of the net are blended into four points per row of the grid, with lanes along v, then every lane of a row blends
 //! those four. Sums run as `(w0 p0 + w3 p3) + (w1 p1 + w2 p2)` everywhere.
 
-use super::basis::{Basis, Target};
+use super::basis::{Basis, LineWeights, Target};
 use super::point::P4;
 use super::sheet::{Quadrant, Rows, Sheet};
 use crate::records::{BLOCK_STRIDE, Grid3};
@@ -66,16 +66,6 @@ pub(super) fn one_by_one() {
 /// Four weights for each of `W` lanes.
 pub(super) type Weights<const W: usize> = [[f32; W]; 4];
 
-/// The weights from `at` on.
-#[inline(always)]
-pub(super) fn take<const W: usize>(w: &[Vec<f32>; 4], at: usize) -> Weights<W> {
-    let mut out = [[0.0; W]; 4];
-    for (out, w) in out.iter_mut().zip(w) {
-        out.copy_from_slice(&w[at..at + W]);
-    }
-    out
-}
-
 /// Each lane's blend of four numbers, into the first `W` of `out`.
 #[inline(always)]
 pub(super) fn mix<const W: usize>(w: &Weights<W>, q: [f32; 4], out: &mut [f32]) {
@@ -98,12 +88,6 @@ pub(super) fn mix3<const W: usize>(w: &Weights<W>, q: &[P4; 4], out: &mut Lanes3
 #[inline(always)]
 pub(super) fn blend(w: [f32; 4], p: [P4; 4]) -> P4 {
     (p[0] * w[0] + p[3] * w[3]) + (p[1] * w[1] + p[2] * w[2])
-}
-
-/// The four weights at one place.
-#[inline(always)]
-pub(super) fn weights(w: &[Vec<f32>; 4], at: usize) -> [f32; 4] {
-    [w[0][at], w[1][at], w[2][at], w[3][at]]
 }
 
 /// The block that sheets are diced into, in points of a grid that has every `2^shift`-th point of the sheets' own.
@@ -133,20 +117,27 @@ pub(crate) fn dice_sheets(
     points: &mut Grid3,
     mut normals: Option<&mut Grid3>,
 ) {
-    for sheet in sheets.iter().rev() {
-        // Those that are seen where several meet come last.
-        for rank in (0..4).rev() {
-            let q = (rank + sheet.corner) & 3;
-            if !sheet.has(q) {
-                continue;
-            }
-            let quadrant = sheet.quadrant(q);
-            if let Some(area) = Area::of(&quadrant, range) {
-                let basis = Basis::get(target, sheet.level.saturating_sub(range.shift));
-                area.dice(&quadrant, basis, points, normals.as_deref_mut());
-            }
-        }
+    let mut lines = Lines::default();
+    for (_, quadrant, area) in areas(sheets, range) {
+        let basis = Basis::get(target, quadrant.sheet.level.saturating_sub(range.shift));
+        let normals = normals.as_deref_mut();
+        area.dice(&quadrant.net(), basis, &mut lines, points, normals);
     }
+}
+
+/// The parts of a block that are diced, with the numbers of their sheets. What is seen where several meet comes last.
+#[inline(always)]
+pub(super) fn areas(
+    sheets: &[Sheet],
+    range: BlockRange,
+) -> impl Iterator<Item = (usize, Quadrant<'_>, Area)> {
+    let ranked = |(number, sheet)| (0..4).rev().map(move |rank| (number, sheet, rank));
+    let all = sheets.iter().enumerate().rev().flat_map(ranked);
+    all.filter_map(move |(number, sheet, rank): (usize, &Sheet, usize)| {
+        let q = (rank + sheet.corner) & 3;
+        let quadrant = sheet.has(q).then(|| sheet.quadrant(q))?;
+        Some((number, quadrant, Area::of(&quadrant, range)?))
+    })
 }
 
 /// The part of a block that a quadrant shows.
@@ -154,7 +145,7 @@ pub(crate) fn dice_sheets(
 /// Whole vectors are written from column `left` to before `right`. Whatever else they hold is also on the quadrant's border, and what is
 /// seen there is diced after it.
 #[derive(Clone, Copy, Debug)]
-struct Area {
+pub(super) struct Area {
     /// First column and number of columns, of the block.
     col: usize,
     cols: usize,
@@ -205,23 +196,23 @@ impl Area {
     }
 
     #[inline(always)]
-    fn dice(
+    pub(super) fn dice(
         &self,
-        quadrant: &Quadrant<'_>,
+        net: &Rows<'_>,
         basis: &Basis,
+        lines: &mut Lines,
         points: &mut Grid3,
         normals: Option<&mut Grid3>,
     ) {
-        let net = quadrant.net();
         let room = self.right - self.left;
         if self.cols > 8 && room >= 16 {
-            self.dice_lanes::<16>(&net, basis, points, normals);
+            self.dice_lanes::<16>(net, basis, lines, points, normals);
         } else if self.cols > 4 && room >= 8 {
-            self.dice_lanes::<8>(&net, basis, points, normals);
+            self.dice_lanes::<8>(net, basis, lines, points, normals);
         } else if self.cols > 2 && room >= 4 {
-            self.dice_lanes::<4>(&net, basis, points, normals);
+            self.dice_lanes::<4>(net, basis, lines, points, normals);
         } else {
-            self.dice_singly(&net, basis, points, normals);
+            self.dice_singly(net, basis, lines, points, normals);
         }
     }
 
@@ -230,20 +221,29 @@ impl Area {
         &self,
         net: &Rows<'_>,
         basis: &Basis,
+        lines: &mut Lines,
         points: &mut Grid3,
         normals: Option<&mut Grid3>,
     ) {
-        self.points::<W>(net, basis, points);
+        self.points::<W>(net, basis, lines, points);
         if let Some(normals) = normals {
-            self.normals::<W>(net, basis, normals);
+            self.normals::<W>(net, basis, lines, normals);
         }
     }
 
-    /// The column from which the vector is written that shows `col`, the first one without it.
+    /// The column from which the vector is written that shows `col`, the first one without it. Vectors begin at multiples of `W` unless one
+    /// is enough elsewhere.
     #[inline(always)]
     fn vector<const W: usize>(&self, col: Option<usize>) -> Option<usize> {
-        let col = col.unwrap_or((self.col - self.col % W).max(self.left));
-        (col < self.col + self.cols).then(|| col.min(self.right - W))
+        let end = self.col + self.cols;
+        let col = col.unwrap_or_else(|| {
+            let whole = (self.col - self.col % W).max(self.left);
+            match self.cols <= W && whole + W < end {
+                true => self.col,
+                false => whole,
+            }
+        });
+        (col < end).then(|| col.min(self.right - W))
     }
 
     /// Column of the quadrant.
@@ -253,19 +253,25 @@ impl Area {
     }
 
     #[inline(always)]
-    fn points<const W: usize>(&self, net: &Rows<'_>, basis: &Basis, out: &mut Grid3) {
-        for row in (0..self.rows).step_by(W) {
-            let q = blend_rows(&take::<W>(&basis.point, self.first + row), net);
-            let rows = (self.rows - row).min(W);
+    fn points<const W: usize>(
+        &self,
+        net: &Rows<'_>,
+        basis: &Basis,
+        [lines, _]: &mut Lines,
+        out: &mut Grid3,
+    ) {
+        for row in (0..self.rows).step_by(ROWS) {
+            let lines = &mut lines[..(self.rows - row).min(ROWS)];
+            blend_rows(&basis.point, self.first + row, net, lines);
             let mut next = self.vector::<W>(None);
             while let Some(col) = next {
-                let w = take::<W>(&basis.point, self.column(col));
-                for j in 0..rows {
+                let w = basis.point.lanes::<W>(self.column(col));
+                for (j, q) in lines.iter().enumerate() {
                     one_by_one();
                     let at = (self.row + row + j) * BLOCK_STRIDE + col;
-                    mix(&w, four(&q, 0, j), &mut out.x[at..]);
-                    mix(&w, four(&q, 1, j), &mut out.y[at..]);
-                    mix(&w, four(&q, 2, j), &mut out.z[at..]);
+                    mix(&w, four(q, 0), &mut out.x[at..]);
+                    mix(&w, four(q, 1), &mut out.y[at..]);
+                    mix(&w, four(q, 2), &mut out.z[at..]);
                 }
                 next = self.vector::<W>(Some(col + W));
             }
@@ -273,7 +279,13 @@ impl Area {
     }
 
     #[inline(always)]
-    fn normals<const W: usize>(&self, net: &Rows<'_>, basis: &Basis, out: &mut Grid3) {
+    fn normals<const W: usize>(
+        &self,
+        net: &Rows<'_>,
+        basis: &Basis,
+        lines: &mut Lines,
+        out: &mut Grid3,
+    ) {
         let spare = fallback(net);
         let lanes = black_box(W);
         let (mut du, mut dv, mut unit) = (
@@ -281,19 +293,17 @@ impl Area {
             Lanes3::<W>::zeros(),
             Lanes3::<W>::zeros(),
         );
-        for row in (0..self.rows).step_by(W) {
-            let q = blend_rows(&take::<W>(&basis.limit, self.first + row), net);
-            let r = blend_rows(&take::<W>(&basis.slope, self.first + row), net);
-            let rows = (self.rows - row).min(W);
+        for row in (0..self.rows).step_by(ROWS) {
+            let [along, across] = self.slopes(row, net, basis, lines);
             let mut next = self.vector::<W>(None);
             while let Some(col) = next {
-                let limit = take::<W>(&basis.limit, self.column(col));
-                let slope = take::<W>(&basis.slope, self.column(col));
-                for j in 0..rows {
+                let limit = basis.limit.lanes::<W>(self.column(col));
+                let slope = basis.slope.lanes::<W>(self.column(col));
+                for (j, (q, r)) in along.iter().zip(across).enumerate() {
                     for c in 0..3 {
                         one_by_one();
-                        mix(&slope, four(&q, c, j), &mut du.0[c]);
-                        mix(&limit, four(&r, c, j), &mut dv.0[c]);
+                        mix(&slope, four(q, c), &mut du.0[c]);
+                        mix(&limit, four(r, c), &mut dv.0[c]);
                     }
                     unit_lanes(&du, &dv, lanes, spare, &mut unit);
                     let at = (self.row + row + j) * BLOCK_STRIDE + col;
@@ -306,75 +316,92 @@ impl Area {
         }
     }
 
+    /// From row `row` on, what derivatives along u and along v are made of.
+    #[inline(always)]
+    fn slopes<'a>(
+        &self,
+        row: usize,
+        net: &Rows<'_>,
+        basis: &Basis,
+        [along, across]: &'a mut Lines,
+    ) -> [&'a [[f32; 16]]; 2] {
+        let rows = (self.rows - row).min(ROWS);
+        let (along, across) = (&mut along[..rows], &mut across[..rows]);
+        blend_rows(&basis.limit, self.first + row, net, along);
+        blend_rows(&basis.slope, self.first + row, net, across);
+        [along, across]
+    }
+
     /// Few points, one by one.
     #[inline(always)]
     fn dice_singly(
         &self,
         net: &Rows<'_>,
         basis: &Basis,
+        lines: &mut Lines,
         points: &mut Grid3,
         mut normals: Option<&mut Grid3>,
     ) {
-        for j in 0..self.rows {
-            let q = blend_row(weights(&basis.point, self.first + j), net);
-            for i in self.col..self.col + self.cols {
-                let p = blend(weights(&basis.point, self.column(i)), q);
-                points.set(i, self.row + j, p.xyz());
+        let columns = self.col..self.col + self.cols;
+        for row in (0..self.rows).step_by(ROWS) {
+            let middle = &mut lines[0][..(self.rows - row).min(ROWS)];
+            blend_rows(&basis.point, self.first + row, net, middle);
+            for (j, q) in middle.iter().enumerate() {
+                for i in columns.clone() {
+                    one_by_one();
+                    let p = blend(basis.point.at(self.column(i)), points_of(q));
+                    points.set(i, self.row + row + j, p.xyz());
+                }
             }
             let Some(normals) = normals.as_deref_mut() else {
                 continue;
             };
             let spare = fallback(net);
-            let q = blend_row(weights(&basis.limit, self.first + j), net);
-            let r = blend_row(weights(&basis.slope, self.first + j), net);
-            for i in self.col..self.col + self.cols {
-                let du = blend(weights(&basis.slope, self.column(i)), q);
-                let dv = blend(weights(&basis.limit, self.column(i)), r);
-                normals.set(i, self.row + j, unit_of(du.xyz(), dv.xyz(), spare));
+            let [along, across] = self.slopes(row, net, basis, lines);
+            for (j, (q, r)) in along.iter().zip(across).enumerate() {
+                for i in columns.clone() {
+                    let du = blend(basis.slope.at(self.column(i)), points_of(q));
+                    let dv = blend(basis.limit.at(self.column(i)), points_of(r));
+                    let unit = unit_of(du.xyz(), dv.xyz(), spare);
+                    normals.set(i, self.row + row + j, unit);
+                }
             }
         }
     }
 }
 
-/// Per column of the net and component, the blends by each lane's weights.
+/// Most rows of the grid that are blended before any of them is read.
+const ROWS: usize = 16;
+
+/// The four points that each of some rows of the grid is made of, number by number: one vector. Written long before they are read, which
+/// would have to wait otherwise.
+pub(super) type Lines = [[[f32; 16]; ROWS]; 2];
+
+/// The columns of a net, each blended for the rows from `first` on.
 #[inline(always)]
-fn blend_rows<const W: usize>(w: &Weights<W>, net: &Rows<'_>) -> [Lanes3<W>; 4] {
-    let mut out = [
-        Lanes3::zeros(),
-        Lanes3::zeros(),
-        Lanes3::zeros(),
-        Lanes3::zeros(),
-    ];
-    for k in 0..4 {
-        for c in 0..3 {
-            one_by_one();
-            let p = [
-                net[0][k].0[c],
-                net[1][k].0[c],
-                net[2][k].0[c],
-                net[3][k].0[c],
-            ];
-            mix(w, p, &mut out[k].0[c]);
+fn blend_rows(weights: &LineWeights, first: usize, net: &Rows<'_>, lines: &mut [[f32; 16]]) {
+    let mut flat = [[0.0; 16]; 4];
+    for (to, from) in flat.iter_mut().zip(net) {
+        for (to, from) in to.as_chunks_mut().0.iter_mut().zip(*from) {
+            *to = from.0;
         }
     }
-    out
+    for (j, line) in lines.iter_mut().enumerate() {
+        one_by_one();
+        mix(&flat, weights.at(first + j), line);
+    }
 }
 
-/// The four columns of a net, each blended by `w`.
+/// Component `c` of four points.
 #[inline(always)]
-fn blend_row(w: [f32; 4], net: &Rows<'_>) -> [P4; 4] {
-    [
-        blend(w, [net[0][0], net[1][0], net[2][0], net[3][0]]),
-        blend(w, [net[0][1], net[1][1], net[2][1], net[3][1]]),
-        blend(w, [net[0][2], net[1][2], net[2][2], net[3][2]]),
-        blend(w, [net[0][3], net[1][3], net[2][3], net[3][3]]),
-    ]
+fn four(q: &[f32; 16], c: usize) -> [f32; 4] {
+    [q[c], q[4 + c], q[8 + c], q[12 + c]]
 }
 
-/// Component `c` of the four points of row `j`.
+/// Four points, one by one.
 #[inline(always)]
-fn four<const W: usize>(q: &[Lanes3<W>; 4], c: usize, j: usize) -> [f32; 4] {
-    [q[0].0[c][j], q[1].0[c][j], q[2].0[c][j], q[3].0[c][j]]
+fn points_of(q: &[f32; 16]) -> [P4; 4] {
+    [0, 4, 8, 12].map(|k| P4([q[k], q[k + 1], q[k + 2], q[k + 3]]))
 }
 
 /// A normal for points where the tangents are parallel: that of the patch as a whole.

@@ -6,6 +6,7 @@
 use super::basis::Target;
 use super::net::Net;
 use super::point::P4;
+use std::ops::{Deref, DerefMut};
 
 /// Up to four B-splines over neighbouring squares of a face's grid.
 #[derive(Clone, Debug)]
@@ -29,6 +30,25 @@ pub(crate) struct Sheet {
 /// The control points of a B-spline, row by row.
 pub(super) type Rows<'a> = [&'a [P4; 4]; 4];
 
+/// The 16 control points from row `at[0]` and column `at[1]` on, each 0 or 1.
+#[inline(always)]
+pub(super) fn rows(net: &Net<5>, [row, col]: [usize; 2]) -> Rows<'_> {
+    let lines = match row {
+        0 => &net[..4],
+        _ => &net[1..],
+    };
+    let part = |line| -> &[P4; 4] {
+        let ([first @ .., _], [_, last @ ..]): (&[P4; 5], &[P4; 5]) = (line, line);
+        if col == 0 { first } else { last }
+    };
+    [
+        part(&lines[0]),
+        part(&lines[1]),
+        part(&lines[2]),
+        part(&lines[3]),
+    ]
+}
+
 /// A quadrant of a sheet: one B-spline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quadrant<'a> {
@@ -47,27 +67,71 @@ const PLACES: [[usize; 2]; 4] = [[0, 0], [0, 1], [1, 1], [1, 0]];
 pub(super) const HIGH: [[bool; 2]; 4] =
     [[false, false], [true, false], [true, true], [false, true]];
 
-impl Sheet {
-    /// One spline over a whole grid of `2^level` segments.
-    pub(super) fn whole(net: &Net<4>, level: u32) -> Self {
-        Self::single(net, [0, 0], 1 << level, level)
+/// The sheets of a face, in room that is used again: their nets are made where they stay.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sheets {
+    room: Vec<Sheet>,
+    used: usize,
+}
+
+impl Sheets {
+    pub(super) fn clear(&mut self) {
+        self.used = 0;
     }
 
-    /// One spline; for `size` 0 its first corner.
-    pub(super) fn single(net: &Net<4>, origin: [u32; 2], size: u32, level: u32) -> Self {
-        let mut wide = [[P4::ZERO; 5]; 5];
-        for (to, from) in wide.iter_mut().zip(net) {
-            to[..4].copy_from_slice(from);
+    /// One more, which holds what was there before.
+    #[inline(always)]
+    pub(super) fn add(&mut self) -> &mut Sheet {
+        if self.used == self.room.len() {
+            self.room.push(Sheet::EMPTY);
         }
-        Self {
-            net: wide,
-            origin,
-            size,
-            level,
-            corner: 0,
-            present: 1,
-            own: [origin, origin.map(|k| k + size)],
-        }
+        self.used += 1;
+        &mut self.room[self.used - 1]
+    }
+}
+
+impl Deref for Sheets {
+    type Target = [Sheet];
+
+    #[inline(always)]
+    fn deref(&self) -> &[Sheet] {
+        &self.room[..self.used]
+    }
+}
+
+impl DerefMut for Sheets {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [Sheet] {
+        &mut self.room[..self.used]
+    }
+}
+
+impl Sheet {
+    const EMPTY: Self = Self {
+        net: [[P4::ZERO; 5]; 5],
+        origin: [0; 2],
+        size: 0,
+        level: 0,
+        corner: 0,
+        present: 0,
+        own: [[0; 2]; 2],
+    };
+
+    /// Makes it one spline, with its net in the first rows and columns: over a whole grid of `2^level` segments.
+    #[inline(always)]
+    pub(super) fn be_whole(&mut self, level: u32) {
+        self.be_single([0, 0], 1 << level, level);
+    }
+
+    /// The same over a part of a grid; for `size` 0 the first corner.
+    #[inline(always)]
+    pub(super) fn be_single(&mut self, origin: [u32; 2], size: u32, level: u32) {
+        self.origin = origin;
+        self.size = size;
+        self.level = level;
+        self.corner = 0;
+        self.present = 1;
+        self.own = [origin, origin.map(|k| k + size)];
     }
 
     #[inline(always)]
@@ -137,18 +201,7 @@ impl Quadrant<'_> {
     /// Its 16 control points, where they stand.
     #[inline(always)]
     pub(super) fn net(&self) -> Rows<'_> {
-        let [row, col] = self.at;
-        let lines = &self.sheet.net[row..row + 4];
-        let part = |line| -> &[P4; 4] {
-            let ([first @ .., _], [_, last @ ..]): (&[P4; 5], &[P4; 5]) = (line, line);
-            if col == 0 { first } else { last }
-        };
-        [
-            part(&lines[0]),
-            part(&lines[1]),
-            part(&lines[2]),
-            part(&lines[3]),
-        ]
+        rows(&self.sheet.net, self.at)
     }
 
     /// Points whose convex hull holds the diced points between the given columns and rows (in units of the quadrant's size).
@@ -195,6 +248,17 @@ impl Quadrant<'_> {
 
 /// Bézier points over `[a, b]` of the B-spline segment with control points `p`: its blossom at (a,a,a), (a,a,b), (a,b,b), (b,b,b).
 fn bezier(p: [P4; 4], [a, b]: [f32; 2]) -> [P4; 4] {
+    if [a, b] == [0.0, 1.0] {
+        // All of it, as for most faces of a frame: a seventh of the operations.
+        let end = |p: P4, q: P4, r: P4| ((p + r) + q * 4.0) * (1.0 / 6.0);
+        let inner = |p: P4, q: P4| (p + p + q) * (1.0 / 3.0);
+        return [
+            end(p[0], p[1], p[2]),
+            inner(p[1], p[2]),
+            inner(p[2], p[1]),
+            end(p[1], p[2], p[3]),
+        ];
+    }
     let mix = |p: P4, q: P4, t: f32| p + (q - p) * t;
     let blossom = |u: f32, v: f32, w: f32| {
         let q: [P4; 3] = std::array::from_fn(|i| mix(p[i], p[i + 1], (u + 2.0 - i as f32) / 3.0));

@@ -2,29 +2,13 @@
 
 use super::edge::{GridLine, PointLine, Put, SideRange, Span, Strip, sample_polygon};
 use super::face::{DiceFault, FacePatch, Part, Sides};
+use super::plan::{Case, Plan, PlannedStrip};
 use super::point::P4;
-use super::sheet::{HIGH, Sheet};
+use super::regular::BlockRange;
+use super::sheet::HIGH;
 use crate::dispatch;
-use crate::records::{BLOCK_STRIDE, Grid3};
+use crate::records::Grid3;
 use crate::topology::{FanRule, NONE, Ring, Topology};
-
-/// The strip of quadrant `q` along side `c`, of the half at corner `end`.
-#[inline(always)]
-fn half(sheet: &Sheet, q: usize, end: usize, c: usize) -> (Strip, Span) {
-    let (at, origin) = sheet.place(q);
-    let first = origin[c & 1];
-    // What lies away from the end belongs to the strip before, or is the middle.
-    let own = match HIGH[end][c & 1] {
-        true => [first + 1, first + sheet.size],
-        false => [first, first + sheet.size - 1],
-    };
-    let span = Span {
-        first,
-        level: sheet.level,
-        own,
-    };
-    (Strip::of(&sheet.net, at, c), span)
-}
 
 impl FacePatch {
     /// Whether the middle of side `c` belongs to its half at the high end of u or v, which is that at the lower vertex number; and whether
@@ -67,42 +51,76 @@ impl FacePatch {
         }
     }
 
-    /// Calls `f` with the strips of side `c`.
+    /// Where strip `k` of side `c` begins, if there is one: in which sheet and where in its net, or in that of the whole face. The last place of
+    /// a strip that it does not show belongs to the strip before, or to a corner, or is the middle.
     #[inline(always)]
-    fn each_strip(&self, c: usize, mut f: impl FnMut(&Strip, Span)) {
+    fn strip(&self, c: usize, k: usize) -> Option<(Option<usize>, [usize; 2], Span)> {
         if self.whole >> c & 1 != 0 {
             let span = Span {
                 first: 0,
                 level: self.level,
-                // The ends are those of the corners.
                 own: [0, (1 << self.level) - 1],
             };
-            return f(&Strip::of(&self.whole_net, [0, 0], c), span);
+            // A face that is one spline keeps its net there.
+            let sheet = (self.whole == 0b1111).then_some(0);
+            return (k == 0).then_some((sheet, [0, 0], span));
         }
-        let Some((first, deeper)) = self.sheets.split_first() else {
-            return;
-        };
         // The first sheet has a spline at every regular corner; the others lead to their own, with splines before and after it.
-        let d = (c + 1) & 3;
-        for end in [c, d] {
-            if first.has(end) {
-                let (strip, span) = half(first, end, end, c);
-                f(&strip, span);
-            }
+        let sheet = self.sheets.get(k / 2)?;
+        let ends = [c, (c + 1) & 3];
+        let (end, other) = (ends[k & 1], ends[1 - (k & 1)]);
+        let quadrant = if k < 2 { end } else { other };
+        let leads = k < 2 || sheet.corner == end && sheet.size > 0;
+        if !(leads && sheet.has(quadrant)) {
+            return None;
         }
-        for sheet in deeper {
-            let q = if sheet.corner == c {
-                d
-            } else if sheet.corner == d {
-                c
-            } else {
-                continue;
-            };
-            if sheet.size > 0 {
-                let (strip, span) = half(sheet, q, sheet.corner, c);
-                f(&strip, span);
-            }
-        }
+        let (at, origin) = sheet.place(quadrant);
+        let first = origin[c & 1];
+        let own = match HIGH[end][c & 1] {
+            true => [first + 1, first + sheet.size],
+            false => [first, first + sheet.size - 1],
+        };
+        let span = Span {
+            first,
+            level: sheet.level,
+            own,
+        };
+        Some((Some(k / 2), at, span))
+    }
+
+    /// The strips that a range has of side `c`.
+    #[inline(always)]
+    fn strips(&self, c: usize, range: SideRange) -> impl Iterator<Item = PlannedStrip> {
+        let count = match self.whole >> c & 1 {
+            0 => 2 * self.sheets.len(),
+            _ => 1,
+        };
+        (0..count).filter_map(move |k| {
+            let (sheet, at, span) = self.strip(c, k)?;
+            let (run, level) = span.run(range)?;
+            Some(PlannedStrip {
+                side: c,
+                sheet,
+                at,
+                level,
+                run,
+            })
+        })
+    }
+
+    #[inline(always)]
+    fn sample_strip(
+        &self,
+        strip: &PlannedStrip,
+        points: &mut impl Put,
+        normals: Option<&mut impl Put>,
+    ) {
+        let net = match strip.sheet {
+            Some(sheet) => &self.sheets[sheet].net,
+            None => &self.whole_net,
+        };
+        let lines = Strip::of(net, strip.at, strip.side);
+        lines.sample(strip.run, self.target, strip.level, points, normals);
     }
 
     /// Samples what a range has of side `c`.
@@ -114,11 +132,21 @@ impl FacePatch {
         points: &mut impl Put,
         mut normals: Option<&mut impl Put>,
     ) {
-        self.each_strip(
-            c,
-            #[inline(always)]
-            |strip, span| strip.sample(span, range, points, normals.as_deref_mut()),
-        );
+        for strip in self.strips(c, range) {
+            self.sample_strip(&strip, points, normals.as_deref_mut());
+        }
+        self.sample_rest(c, range, points, normals);
+    }
+
+    /// What the strips leave out of side `c`.
+    #[inline(always)]
+    fn sample_rest(
+        &self,
+        c: usize,
+        range: SideRange,
+        points: &mut impl Put,
+        normals: Option<&mut impl Put>,
+    ) {
         if self.whole >> c & 1 == 0 {
             self.sample_middle(c, range, points, normals);
         }
@@ -162,39 +190,74 @@ impl FacePatch {
         }
     }
 
+    /// What a part has of side `c`, and the row or column where.
+    #[inline(always)]
+    fn side_range(&self, c: usize, part: Part) -> Option<(SideRange, usize)> {
+        let along = c & 1;
+        let range = SideRange {
+            target: self.target,
+            shift: self.level - part.level,
+            low: part.start[along],
+            high: part.start[along] + part.segments,
+            start: part.start[along],
+        };
+        Some((range, part.side(c)?))
+    }
+
     #[inline(always)]
     fn put_sides(&self, part: Part, points: &mut Grid3, mut normals: Option<&mut Grid3>) {
         for c in 0..4 {
-            let (Some(across), along) = (part.side(c), c & 1) else {
-                continue;
-            };
-            let range = SideRange {
-                target: self.target,
-                shift: self.level - part.level,
-                low: part.start[along],
-                high: part.start[along] + part.segments,
-                start: part.start[along],
-            };
-            let (first, step) = match along {
-                0 => (across * BLOCK_STRIDE, 1),
-                _ => (across, BLOCK_STRIDE),
-            };
-            let mut line = GridLine {
-                grid: &mut *points,
-                first,
-                step,
-            };
-            if let Some(normals) = normals.as_deref_mut() {
-                let mut normals = GridLine {
-                    grid: normals,
-                    first,
-                    step,
-                };
-                self.sample_side(c, range, &mut line, Some(&mut normals));
-            } else {
-                self.sample_side(c, range, &mut line, None::<&mut GridLine<'_>>);
+            if let Some((range, across)) = self.side_range(c, part) {
+                let mut points = GridLine::new(points, c, across);
+                let mut normals = normals.as_deref_mut().map(|g| GridLine::new(g, c, across));
+                self.sample_side(c, range, &mut points, normals.as_mut());
             }
         }
+    }
+
+    /// The same for the whole face, as planned.
+    #[inline(always)]
+    pub(super) fn put_planned(
+        &self,
+        plan: &Plan,
+        points: &mut Grid3,
+        mut normals: Option<&mut Grid3>,
+    ) {
+        let part = Part::block(self.level, [0, 0]);
+        for strip in &plan.strips {
+            let c = strip.side;
+            let across = part.side(c).unwrap_or(0);
+            let mut points = GridLine::new(points, c, across);
+            let mut normals = normals.as_deref_mut().map(|g| GridLine::new(g, c, across));
+            self.sample_strip(strip, &mut points, normals.as_mut());
+        }
+        for c in 0..4 {
+            if self.whole >> c & 1 != 0 && self.polygons[c].is_none() {
+                continue;
+            }
+            if let Some((range, across)) = self.side_range(c, part) {
+                let mut points = GridLine::new(points, c, across);
+                let mut normals = normals.as_deref_mut().map(|g| GridLine::new(g, c, across));
+                self.sample_rest(c, range, &mut points, normals.as_mut());
+            }
+        }
+    }
+
+    /// The plan for a whole face with these corners.
+    pub(super) fn plan(&self, part: Part, range: BlockRange) -> Option<&'static Plan> {
+        let case = Case {
+            level: self.level,
+            regular: self.regular?,
+            sides: self.wanted > Sides::None,
+        };
+        let strips = || {
+            let side = |c: usize| {
+                let range = self.side_range(c, part).filter(|_| case.sides)?.0;
+                Some(self.strips(c, range))
+            };
+            (0..4).filter_map(side).flatten().collect()
+        };
+        Plan::get(case, || Plan::new(&self.sheets, range, strips()))
     }
 
     fn put_kept_sides(&self, part: Part, points: &mut Grid3, mut normals: Option<&mut Grid3>) {

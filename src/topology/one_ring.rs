@@ -32,7 +32,7 @@ impl<'a> Ring<'a> {
 
 impl Iterator for Ring<'_> {
     type Item = u32;
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<u32> {
         if self.at == NONE || (self.begun && self.at == self.start) {
             return None;

@@ -297,7 +297,9 @@ impl QuadEvaluator {
         let mut net = if channel.linear {
             linear::net(channel, q)
         } else {
-            gather_net(t, channel.points, q)
+            let mut net = [[P4::ZERO; 4]; 4];
+            gather_net(t, channel.points, q, &mut net);
+            net
         };
         let origin = net[1][1];
         for p in net.iter_mut().flatten() {
@@ -487,7 +489,7 @@ impl Parts {
             put_corner(&mut self.net, c, &self.ring, regular[c]);
             open[c] = !self.ring.has(-1);
         }
-        fill_phantoms(&mut self.net, open);
+        fill_phantoms(&mut self.net, 4, open);
         let (net, centre) = (&self.net, self.net[2][2]);
         self.sheets.push(Sheet::new(centre.narrow(), |r, c| {
             (net[r][c] - centre).narrow()
