@@ -196,7 +196,7 @@ fn one(
         if let Some(corners) = &mut corners {
             corners.read(&surface, first);
         }
-        let mut jets = (width > 3).then(|| PlaceJets::new(&surface, level));
+        let mut jets = (width > 3).then(|| PlaceJets::new(&surface));
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -362,7 +362,7 @@ fn one_uvs(
         }
         let surface = shape.surface_with(whole, &values);
         let mut face = surface.face_evaluator(0).ok_or(NO_WEIGHTS)?;
-        let mut jets = (width > 1).then(|| PlaceJets::new(&surface, level));
+        let mut jets = (width > 1).then(|| PlaceJets::new(&surface));
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
