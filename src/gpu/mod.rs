@@ -57,6 +57,8 @@ mod further;
 #[cfg(feature = "gpu")]
 mod levels;
 #[cfg(feature = "gpu")]
+mod owners;
+#[cfg(feature = "gpu")]
 mod pipelines;
 #[cfg(feature = "gpu")]
 mod plan;
@@ -68,6 +70,8 @@ mod read_back;
 mod ready;
 #[cfg(feature = "gpu")]
 mod rise;
+#[cfg(feature = "gpu")]
+mod shapes;
 #[cfg(feature = "gpu")]
 mod stats;
 #[cfg(feature = "gpu")]

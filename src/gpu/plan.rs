@@ -5,7 +5,7 @@ use super::error::GpuError;
 use super::wgsl::BLOCK_BITS;
 use crate::camera::View;
 use crate::dice::FacePatch;
-use crate::frame::{Drawing, Object, Renderer, Scene};
+use crate::frame::{Drawing, Object, Renderer, Scene, leaf_triangles};
 use crate::limits::Budget;
 use crate::patch::PatchKind;
 use crate::tessellate::Tessellation;
@@ -258,6 +258,7 @@ fn tessellated_extent(object: &Object, found: &Tessellation) -> Result<Extent, G
         quads: object.surface.quads().face_count() as u64,
         blocks: found.leaves.len() as u64,
         moves: found.move_count() as u64,
+        triangles: leaf_triangles(found),
         ..Extent::default()
     };
     for leaf in &found.leaves {
@@ -266,11 +267,8 @@ fn tessellated_extent(object: &Object, found: &Tessellation) -> Result<Extent, G
                 what: "refinement patterns",
             });
         }
-        let half = u64::from(found.triangular && leaf.is_diagonal());
-        out.triangles += (2 - half) << (2 * leaf.log);
         out.log = out.log.max(u32::from(leaf.log));
     }
-    out.triangles -= out.moves;
     Ok(out)
 }
 

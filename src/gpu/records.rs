@@ -178,6 +178,10 @@ record! {
         tangents: u32,
         /// 1 where faces are cut out by opacity maps.
         cut: u32,
+        /// The same of colours, of which the first of each group is read.
+        color_width: u32,
+        /// Nothing.
+        padding: [u32; 3],
     }
 }
 

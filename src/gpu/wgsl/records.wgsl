@@ -48,6 +48,10 @@ struct Chunk {
     textured: u32,
     tangents: u32,
     cut: u32,
+    color_width: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 struct Rise {
