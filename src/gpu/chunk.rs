@@ -136,6 +136,9 @@ pub(super) struct Builder {
 /// Tables of points begin at multiples of this many words, whatever their width.
 pub(super) const ALIGNED: u32 = 6;
 
+/// Most bytes that alignment takes for a table.
+const SLACK: u64 = 4 * ALIGNED as u64;
+
 /// Blocks of a chunk that an entry of the list of large quads can name.
 const MOST_BLOCKS: usize = 1 << (u32::BITS - 2 * BLOCK_BITS);
 
@@ -173,7 +176,7 @@ impl Builder {
     }
 
     /// Faces that a quad's points come from.
-    fn quads_of(dicer: &Dicer<'_>, quad: u32) -> Vec<u32> {
+    pub(super) fn quads_of(dicer: &Dicer<'_>, quad: u32) -> Vec<u32> {
         let whole = dicer.surface.whole_quads();
         let mut all = vec![quad];
         for h in whole.face_halves(quad) {
@@ -184,10 +187,30 @@ impl Builder {
         all
     }
 
+    /// Bytes of weights and gathers of the sides of more quads.
+    pub(super) fn rim_bytes(&self, dicer: &Dicer<'_>, quads: &[u32]) -> Result<[u64; 2], GpuError> {
+        let (mut weights, mut gathers, mut seen) = (0, 0, Vec::new());
+        for &quad in quads {
+            if self.there.rims.stencils.contains_key(&quad) {
+                continue;
+            }
+            let FaceTable { number, table, .. } = dicer.table(quad)?;
+            gathers += 4 * table.columns.len() as u64;
+            if !self.there.rims.tables.contains_key(&number) && !seen.contains(&number) {
+                weights += table.rim_bytes() + SLACK;
+                seen.push(number);
+            }
+        }
+        Ok([weights, gathers])
+    }
+
     /// Bytes of points, weights, gathers, and what spots take from elsewhere, with one more face; points are not kept here.
     fn bytes_with(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> Result<[u64; 4], GpuError> {
         if dicer.shown == Shown::Polygons {
             return Ok(self.polygon_bytes(dicer, blocks));
+        }
+        if dicer.polygonal {
+            return self.sector_bytes(dicer, blocks[0].quad);
         }
         let whole = dicer.surface.whole_quads();
         let points: u64 = blocks.iter().map(|b| ((1_u64 << b.log) + 1).pow(2)).sum();
@@ -199,42 +222,31 @@ impl Builder {
         points += spots;
         let mut weights = 4 * self.data.weights.len() as u64;
         let mut gathers = 4 * self.data.gathers.len() as u64;
-        let mut seen = Vec::new();
         let own = blocks[0].quad;
-        // Tables of points begin at multiples of their width.
-        let slack = 4 * u64::from(ALIGNED);
         if dicer.shown != Shown::Pn {
             let FaceTable { number, table, .. } = dicer.table(own)?;
             gathers += 4 * table.columns.len() as u64;
             if !self.there.points.tables.contains_key(&number) {
-                weights += table.bytes() + slack;
+                weights += table.bytes() + SLACK;
             }
-            for quad in Self::quads_of(dicer, own) {
-                if self.there.rims.stencils.contains_key(&quad) {
-                    continue;
-                }
-                let FaceTable { number, table, .. } = dicer.table(quad)?;
-                gathers += 4 * table.columns.len() as u64;
-                if !self.there.rims.tables.contains_key(&number) && !seen.contains(&number) {
-                    weights += table.rim_bytes() + slack;
-                    seen.push(number);
-                }
-            }
+            let rims = self.rim_bytes(dicer, &Self::quads_of(dicer, own))?;
+            weights += rims[0];
+            gathers += rims[1];
         }
         if let Some(FaceTable { number, table, .. }) = dicer.color_table(own) {
             gathers += 4 * table.columns.len() as u64;
             if !self.there.colors.tables.contains_key(&number) {
-                weights += table.bytes() + slack;
+                weights += table.bytes() + SLACK;
             }
         }
         if let Some(FaceTable { number, table, .. }) = dicer.uv_table(own) {
             gathers += 4 * u64::from(table.count);
             if !self.there.uv_tables.contains_key(&number) {
-                weights += table.bytes() + slack;
+                weights += table.bytes() + SLACK;
             }
         }
         if dicer.lifts_by_uvs() {
-            seen.clear();
+            let mut seen = Vec::new();
             for quad in Self::quads_of(dicer, own) {
                 let Some(FaceTable { number, table, .. }) = dicer.uv_table(quad) else {
                     continue;
@@ -244,7 +256,7 @@ impl Builder {
                 }
                 gathers += 4 * u64::from(table.count);
                 if !self.there.uv_rims.contains_key(&number) && !seen.contains(&number) {
-                    weights += table.rim_bytes() + slack;
+                    weights += table.rim_bytes() + SLACK;
                     seen.push(number);
                 }
             }
@@ -293,6 +305,11 @@ impl Builder {
         self.data.color_width = dicer.color_width();
         match dicer.shown {
             Shown::Polygons => self.add_polygon(dicer, blocks),
+            _ if dicer.polygonal => {
+                for block in blocks {
+                    self.add_sector(dicer, block)?;
+                }
+            }
             Shown::Points | Shown::Qas | Shown::Pn => self.add_face(dicer, plan, blocks)?,
         }
         Ok(budget.take(WHAT, self.data.record_bytes() - had, 0)?)

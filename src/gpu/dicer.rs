@@ -36,6 +36,8 @@ pub(super) struct Dicer<'a> {
     pub(super) colors: u32,
     /// Whether colours have tables of their own: they are those of the limit surface, whatever is drawn of its points.
     pub(super) own_colors: bool,
+    /// See [`ObjectPlan::polygonal`].
+    pub(super) polygonal: bool,
     pub(super) shown: Shown,
     /// First of what stands behind the control points of the scene for this object, counted as they are: normals of a cage, or control
     /// points of PN triangles.
@@ -131,7 +133,12 @@ impl<'a> Dicer<'a> {
             uv_tables: Vec::new(),
             first_uv: first.uv,
             look,
-            shown: Shown::of(surface, drawing),
+            shown: match Shown::of(surface, drawing) {
+                // Their corners are limit points still.
+                Shown::Qas if plan.polygonal => Shown::Points,
+                shown => shown,
+            },
+            polygonal: plan.polygonal,
             own_colors: false,
             color_numbers: HashMap::new(),
             color_tables: Vec::new(),
@@ -228,7 +235,7 @@ impl<'a> Dicer<'a> {
 
     /// Weights of a colour by a control point.
     pub(super) fn color_width(&self) -> u32 {
-        match self.own_colors || self.shown == Shown::Polygons {
+        match self.own_colors || self.polygonal || self.shown == Shown::Polygons {
             true => 1,
             false => self.look.width,
         }

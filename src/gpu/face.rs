@@ -192,7 +192,7 @@ impl Builder {
         Ok([self.rim_stencil(dicer, quad)?, index])
     }
 
-    fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> Result<u32, GpuError> {
+    pub(super) fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> Result<u32, GpuError> {
         let owners = dicer.corner_owners(h);
         if let Some(&found) = self.there.corners.get(&owners.normal) {
             return Ok(found);

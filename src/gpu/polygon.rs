@@ -7,7 +7,7 @@ use super::records::{Block, Face, POINT_FLOATS, Spot, Stencil};
 use crate::topology::NONE;
 
 /// Corner of a quad at each place of a block, row by row.
-const CORNERS: [usize; 4] = [0, 1, 3, 2];
+pub(super) const CORNERS: [usize; 4] = [0, 1, 3, 2];
 
 /// Words of a table that gives each place its corner: by corner and place.
 const TABLE: usize = 4 * 4;
@@ -74,27 +74,30 @@ impl Builder {
         for b in blocks {
             let of = corners(b.start[0], count);
             let own = self.polygon(dicer, face as u32, spots, of.map(|k| first + k));
-            let number = self.data.faces.len() as u32;
-            self.data.faces.push(Face {
-                corners: of.map(|k| spots + k),
-                ..own
-            });
-            self.data.named.push(NamedBlock {
-                quad: b.quad,
-                start: b.start,
-                log: 0,
-                base: self.data.block_points,
-            });
-            self.data.blocks.push(Block {
-                face: number,
-                step: 1,
-                base: self.data.block_points,
-                level: b.shown,
-                ..Block::default()
-            });
-            self.data.block_points += 4;
-            self.data.quads += 1;
+            let corners = of.map(|k| spots + k);
+            self.add_single(Face { corners, ..own }, b);
         }
+    }
+
+    /// Adds a face that is one block of one micro-quad.
+    pub(super) fn add_single(&mut self, face: Face, b: &PlannedBlock) {
+        let data = &mut self.data;
+        data.named.push(NamedBlock {
+            quad: b.quad,
+            start: b.start,
+            log: 0,
+            base: data.block_points,
+        });
+        data.blocks.push(Block {
+            face: data.faces.len() as u32,
+            step: 1,
+            base: data.block_points,
+            level: b.shown,
+            ..Block::default()
+        });
+        data.faces.push(face);
+        data.block_points += 4;
+        data.quads += 1;
     }
 
     /// A corner of the cage: its point as it is, and the normal that is given there.
