@@ -85,7 +85,8 @@ impl ChunkData {
             tangents: u32::from(self.look.tilted),
             cut: u32::from(self.look.cut),
             color_width: self.color_width,
-            padding: [0; 3],
+            padding: 0,
+            more_padding: [0; 2],
         }
     }
 

@@ -75,18 +75,22 @@ fn everything_is_the_processors() {
                 let off = got.beyond[1];
                 let [d, n] = other_triangles(&gpu, &scene, level);
                 println!(
-                    "parity {name} level {level} displaced {displaced}: {:.1e} of the model, {:.4} degrees, {off} beyond 0.05, {} bare of {}; {d} of {n} samples",
+                    "parity {name} level {level} displaced {displaced}: {:.1e} of the model, {:.4} degrees, {} points and {off} normals beyond the bars, {:?} unexplained, {} bare of {}; {d} of {n} samples",
                     got.distance,
                     got.angle(),
+                    got.beyond[0],
+                    got.unexplained,
                     got.bare,
                     got.points
                 );
                 let what = format!("{name} at level {level}, displaced: {displaced}");
-                // At flat corners the device tilts what is displaced, the processor does not.
+                // At flat corners the device tilts what is displaced, the processor does not; where heights are those of the surface's
+                // curvature it turns about at a point, and normals there are of no direction.
                 let flat = flat_corners(surface);
                 let few = got.points / 2000;
+                let odd = flat + got.points / 50_000;
                 assert!(
-                    got.unexplained[0] == 0 && got.unexplained[1] <= flat,
+                    got.unexplained[0] == 0 && got.unexplained[1] <= odd,
                     "{what}: rounding does not explain {:?}",
                     got.unexplained
                 );

@@ -49,9 +49,8 @@ struct Chunk {
     tangents: u32,
     cut: u32,
     color_width: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    padding: u32,
+    more_padding: vec2<u32>,
 }
 
 struct Rise {
