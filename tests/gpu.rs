@@ -74,10 +74,11 @@ fn uniform(width: u32, height: u32, level: u32) -> Renderer {
     renderer
 }
 
-/// A cube, red below and blue above.
-fn colored(surface: SurfaceOptions) -> Scene {
-    let text = "v -1 -1 -1 1 0 0\nv 1 -1 -1 1 0 0\nv 1 1 -1 0 0 1\nv -1 1 -1 0 0 1\nv -1 -1 1 1 0 0\nv 1 -1 1 1 0 0\nv 1 1 1 0 0 1\nv -1 1 1 0 0 1\n\
-                f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
+/// A cube, red below and blue above, with `first` for one of its faces: that of vertices 4, 3, 2 and 1.
+fn colored(surface: SurfaceOptions, first: &str) -> Scene {
+    let rest = "v -1 -1 -1 1 0 0\nv 1 -1 -1 1 0 0\nv 1 1 -1 0 0 1\nv -1 1 -1 0 0 1\nv -1 -1 1 1 0 0\nv 1 -1 1 1 0 0\nv 1 1 1 0 0 1\nv -1 1 1 0 0 1\n\
+                f 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
+    let text = format!("{rest}{first}\n");
     let mut loader = Loader::new(LoadOptions {
         surface,
         ..LoadOptions::default()

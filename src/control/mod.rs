@@ -7,6 +7,7 @@
 //! by the quads at features alone. Everything else about creases is gone once a level is cut open along its infinite edges ([`cut`]).
 
 mod cut;
+mod pieces;
 mod size;
 pub(crate) mod tables;
 mod tips;
@@ -19,6 +20,7 @@ use crate::limits::{Budget, LimitError};
 use crate::refine::{self, Level, Timings};
 use crate::topology::{NONE, Topology};
 use cut::{VertexRules, cut_points, cut_values};
+pub(crate) use pieces::{Pieces, levels_beyond};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use tables::surroundings;
@@ -236,13 +238,13 @@ impl ControlTree {
         }
     }
 
-    /// Makes the levels that dicing at `level` needs.
+    /// Makes the levels that dicing at `level` needs, and as many as `beyond` more.
     ///
     /// Nobody waits for another thread here: two that come at once both make the level, and the first to be done is kept. Waiting would be
     /// a deadlock where a thread pool hands the waiting thread a task that comes here again.
-    pub(crate) fn ensure(&self, level: u32) {
+    pub(crate) fn ensure(&self, level: u32, beyond: u32) {
         // Without a budget nothing fails.
-        let _ = self.make(level, None);
+        let _ = self.make(level, beyond, None);
     }
 
     /// The same within a budget. Levels that are there already count like those that are made, so that what fails does not depend on
@@ -250,14 +252,24 @@ impl ControlTree {
     ///
     /// # Errors
     /// The next level would not fit; those before it are kept.
-    pub(crate) fn try_ensure(&self, level: u32, budget: &mut Budget<'_>) -> Result<(), LimitError> {
-        self.make(level, Some(budget))
+    pub(crate) fn try_ensure(
+        &self,
+        level: u32,
+        beyond: u32,
+        budget: &mut Budget<'_>,
+    ) -> Result<(), LimitError> {
+        self.make(level, beyond, Some(budget))
     }
 
-    fn make(&self, level: u32, mut budget: Option<&mut Budget<'_>>) -> Result<(), LimitError> {
-        for depth in 1..=level.min(MAX_LEVEL) {
+    fn make(
+        &self,
+        level: u32,
+        beyond: u32,
+        mut budget: Option<&mut Budget<'_>>,
+    ) -> Result<(), LimitError> {
+        for depth in 1..=(level + beyond).min(MAX_LEVEL) {
             let Some(parent) = self.level(depth - 1) else {
-                return Ok(());
+                break;
             };
             if let Some(budget) = budget.as_deref_mut() {
                 let (kept, passing) = parent.next_bytes();
@@ -332,7 +344,7 @@ impl ControlTree {
         let part = level.part(&faces).level;
         let root = ControlLevel::new(part, Vec::new(), Vec::new(), &owned, &self.options);
         let tree = Arc::new(Self::of(root, self.options));
-        tree.ensure(levels);
+        tree.ensure(levels, 0);
         let found = (tree, own);
         let mut kept = self.further.lock();
         if kept.len() >= MOST_FURTHER {
@@ -344,7 +356,7 @@ impl ControlTree {
 
     /// Fans whose positions are the control points after `level` steps; one set for every control level.
     pub(crate) fn refined(&self, level: u32) -> Vec<Fans> {
-        self.ensure(level);
+        self.ensure(level, 0);
         let mut all: Vec<Fans> = (0..=level)
             .map_while(|depth| self.level(depth).map(|l| l.refined(level - depth)))
             .collect();

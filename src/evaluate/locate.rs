@@ -2,7 +2,7 @@
 //! level.
 
 use super::patches::Patches;
-use crate::control::{ControlTree, Kind, TreeChannel};
+use crate::control::{ControlTree, Kind, TreeChannel, levels_beyond};
 use crate::dice::MAX_LEVEL;
 use crate::dice::evaluate::Jet;
 use crate::surface::Surface;
@@ -65,7 +65,7 @@ impl<'a, P: Patches> Source<'a, P> {
         };
         // A tree that begins where all levels end begins anew.
         let whole = self.depth == 0 || self.depth == MAX_LEVEL;
-        match P::leaf(below, at, whole) {
+        match P::leaf(below, at.face, [at.u, at.v], whole) {
             None => then(self.root, at, None),
             Some(leaf) => {
                 let mut local = Local {
@@ -90,12 +90,7 @@ impl<'a, P: Patches> Source<'a, P> {
                 let depth = (self.depth + leaf.depth).min(MAX_LEVEL);
                 let ends = depth == MAX_LEVEL && (tip.is_some() || leaf.value.is_some());
                 if leaf.open && !ends {
-                    // Beyond the last level darts alone go on, to which every step comes half as near.
-                    let levels = if depth < MAX_LEVEL {
-                        MAX_LEVEL - depth
-                    } else {
-                        MAX_LEVEL
-                    };
+                    let levels = levels_beyond(depth);
                     if let Some((tree, own)) = below.continued(leaf.depth, leaf.quad, levels) {
                         (local.face, local.depth) = (own, PASSING);
                         let further = Further {

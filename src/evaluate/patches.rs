@@ -1,13 +1,10 @@
 //! What evaluation needs of a kind of faces: quads of Catmull-Clark and bilinear surfaces, or triangles of Loop's.
 
 use super::locate::{Local, child, is_unit};
-use crate::control::{Kind, TreeChannel};
-use crate::dice::control::Descend;
-use crate::dice::evaluate::{self, Jet, Leaf, Place, QuadEvaluator, Row};
+use crate::control::{Kind, Pieces};
+use crate::dice::evaluate::{self, Jet, QuadEvaluator, Row};
 use crate::dice::face::Channel;
-use crate::dice::triangle::{
-    DescendTriangles, TriangleChannel, TriangleEvaluator, TriangleRow, leaf,
-};
+use crate::dice::triangle::{TriangleChannel, TriangleEvaluator, TriangleRow};
 use crate::surface::Surface;
 use std::cell::RefCell;
 
@@ -55,10 +52,12 @@ impl GridRow for TriangleRow {
 }
 
 /// The evaluator of one face, and how places get to it.
-#[allow(private_interfaces, reason = "nobody outside can name it")]
-pub trait Patches: Clone + std::fmt::Debug + Default {
-    /// Control data that faces are prepared from.
-    type Channel<'a>: Copy + std::fmt::Debug;
+#[allow(
+    private_interfaces,
+    private_bounds,
+    reason = "nobody outside can name it"
+)]
+pub trait Patches: Pieces + Clone + std::fmt::Debug + Default {
     /// A row of a grid.
     type Row: GridRow;
     /// Both parameters in the middle of a face.
@@ -71,17 +70,6 @@ pub trait Patches: Clone + std::fmt::Debug + Default {
     fn corner(channel: Self::Channel<'_>, face: u32, corner: usize) -> ([f32; 3], [f32; 3]);
     /// Linear interpolation of the corners' control points.
     fn linear(channel: Self::Channel<'_>, at: Local) -> [f32; 2];
-
-    /// Control data of the first level of a tree.
-    fn root<'a>(below: &'a TreeChannel<'_>) -> Option<Self::Channel<'a>>;
-    /// Whether a face has deeper control levels.
-    fn is_refined(below: &TreeChannel<'_>, face: u32) -> bool;
-    /// The patch at a place. `whole` where the face is one of the surface, and not a part of one that a tree begins with.
-    fn leaf<'a>(
-        below: &'a TreeChannel<'_>,
-        at: Local,
-        whole: bool,
-    ) -> Option<Leaf<Self::Channel<'a>>>;
 
     /// Whether a parameter is on a face that is prepared.
     fn holds(u: f32, v: f32) -> bool;
@@ -97,8 +85,6 @@ pub trait Patches: Clone + std::fmt::Debug + Default {
     /// The place in the children of a split face, from `first` on.
     fn in_children(first: u32, u: f32, v: f32) -> Local;
 
-    fn prepare(&mut self, channel: Self::Channel<'_>, face: u32);
-    fn at<const ORDER: u32>(&mut self, channel: Self::Channel<'_>, u: f32, v: f32) -> Place;
     /// A face at one place, without preparing it, where there is such a way. The bits are those of [`Patches::at`].
     fn at_once<const ORDER: u32>(channel: Self::Channel<'_>, at: Local) -> Option<Jet>;
     /// Evaluates a grid of `n` segments row by row; `convert` writes a row's samples.
@@ -115,7 +101,6 @@ pub trait Patches: Clone + std::fmt::Debug + Default {
 }
 
 impl Patches for QuadEvaluator {
-    type Channel<'a> = Channel<'a>;
     type Row = Row;
     const MIDDLE: f32 = 0.5;
 
@@ -137,23 +122,6 @@ impl Patches for QuadEvaluator {
         [0, 1].map(|k: usize| {
             (a[k] * (1.0 - s) + b[k] * s) * (1.0 - t) + (d[k] * (1.0 - s) + c[k] * s) * t
         })
-    }
-
-    fn root<'a>(below: &'a TreeChannel<'_>) -> Option<Channel<'a>> {
-        Descend::at(below, 0).map(|view| Channel {
-            topology: view.topology,
-            points: view.points,
-            fans: view.fans,
-            below: None,
-            linear: false,
-        })
-    }
-    fn is_refined(below: &TreeChannel<'_>, face: u32) -> bool {
-        Descend::at(below, 0).is_some_and(|root| root.first_child(face).is_some())
-    }
-    #[inline(always)]
-    fn leaf<'a>(below: &'a TreeChannel<'_>, at: Local, whole: bool) -> Option<Leaf<Channel<'a>>> {
-        evaluate::leaf(below as &dyn Descend, at.face, at.u, at.v, whole)
     }
 
     #[inline(always)]
@@ -186,14 +154,6 @@ impl Patches for QuadEvaluator {
     }
 
     #[inline(always)]
-    fn prepare(&mut self, channel: Channel<'_>, face: u32) {
-        self.prepare(channel, face);
-    }
-    #[inline(always)]
-    fn at<const ORDER: u32>(&mut self, channel: Channel<'_>, u: f32, v: f32) -> Place {
-        self.at::<ORDER>(channel, u, v)
-    }
-    #[inline(always)]
     fn at_once<const ORDER: u32>(channel: Channel<'_>, at: Local) -> Option<Jet> {
         evaluate::at_once::<ORDER>(channel, at.face, at.u, at.v)
     }
@@ -222,7 +182,6 @@ impl Patches for QuadEvaluator {
 }
 
 impl Patches for TriangleEvaluator {
-    type Channel<'a> = TriangleChannel<'a>;
     type Row = TriangleRow;
     const MIDDLE: f32 = 1.0 / 3.0;
 
@@ -242,21 +201,6 @@ impl Patches for TriangleEvaluator {
         let [a, b, c] = [0, 1, 2].map(corner);
         let w = (1.0 - at.u) - at.v;
         [0, 1].map(|k: usize| a[k] * w + (b[k] * at.u + c[k] * at.v))
-    }
-
-    fn root<'a>(below: &'a TreeChannel<'_>) -> Option<TriangleChannel<'a>> {
-        DescendTriangles::at(below, 0).map(|view| view.channel())
-    }
-    fn is_refined(below: &TreeChannel<'_>, face: u32) -> bool {
-        DescendTriangles::at(below, 0).is_some_and(|root| root.first_child(face).is_some())
-    }
-    #[inline(always)]
-    fn leaf<'a>(
-        below: &'a TreeChannel<'_>,
-        at: Local,
-        whole: bool,
-    ) -> Option<Leaf<TriangleChannel<'a>>> {
-        leaf(below, at.face, at.u, at.v, whole)
     }
 
     #[inline(always)]
@@ -290,14 +234,6 @@ impl Patches for TriangleEvaluator {
         Local::whole(first, u, v)
     }
 
-    #[inline(always)]
-    fn prepare(&mut self, channel: TriangleChannel<'_>, face: u32) {
-        self.prepare(channel, face);
-    }
-    #[inline(always)]
-    fn at<const ORDER: u32>(&mut self, channel: TriangleChannel<'_>, u: f32, v: f32) -> Place {
-        self.at::<ORDER>(channel, u, v)
-    }
     #[inline(always)]
     fn at_once<const ORDER: u32>(_: TriangleChannel<'_>, _: Local) -> Option<Jet> {
         None

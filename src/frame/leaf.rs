@@ -148,7 +148,7 @@ fn fold(leaf: &Leaf, grid: &mut Grid3) {
 }
 
 /// Micro-triangles with an area. A point that moves takes the edge behind it away.
-pub(super) fn triangles(tessellation: &Tessellation) -> u64 {
+pub(crate) fn triangles(tessellation: &Tessellation) -> u64 {
     let leaves = tessellation.leaves.iter();
     let all = leaves.map(|l| match tessellation.list(l) {
         Some(list) => list.triangles.len() as u64,

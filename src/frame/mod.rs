@@ -42,6 +42,8 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 pub use aov::{Aov, Plane};
+#[cfg(feature = "gpu")]
+pub(crate) use leaf::triangles as leaf_triangles;
 pub use refinement::Refinement;
 pub use scene::{Object, Scene};
 pub use source::Drawing;

@@ -38,6 +38,8 @@ pub(super) struct ChunkData {
     pub(super) shown: Option<Shown>,
     /// What they are drawn with.
     pub(super) look: Look,
+    /// See [`Chunk`].
+    pub(super) color_width: u32,
     /// Of each spot of a displaced surface.
     pub(super) lifts: Vec<Lift>,
 }
@@ -82,6 +84,9 @@ impl ChunkData {
             textured: u32::from(self.look.textured),
             tangents: u32::from(self.look.tilted),
             cut: u32::from(self.look.cut),
+            color_width: self.color_width,
+            padding: 0,
+            more_padding: [0; 2],
         }
     }
 
@@ -96,30 +101,44 @@ impl ChunkData {
     }
 }
 
+/// Stencils that are listed, by quad, and where their tables begin, by numbers.
+#[derive(Default)]
+pub(super) struct Listed {
+    pub(super) stencils: HashMap<u32, u32>,
+    pub(super) tables: HashMap<u32, u32>,
+}
+
+/// What a chunk has already.
+#[derive(Default)]
+pub(super) struct There {
+    /// Of a cage's points, by vertex.
+    pub(super) points: Listed,
+    /// Those of sides alone.
+    pub(super) rims: Listed,
+    pub(super) colors: Listed,
+    /// By quad, and whether they are those of its sides alone.
+    pub(super) uvs: HashMap<(u32, bool), [u32; 3]>,
+    pub(super) uv_tables: HashMap<u32, u32>,
+    pub(super) uv_rims: HashMap<u32, u32>,
+    /// Spots, by the half-edge that owns their normals.
+    pub(super) corners: HashMap<u32, u32>,
+    pub(super) sides: HashMap<u32, u32>,
+}
+
 /// Makes the chunks of a scene.
 pub(super) struct Builder {
     /// Bytes of the largest buffer.
     limit: u64,
     pub(super) data: ChunkData,
-    /// Stencils by quad; of a cage's points, by vertex.
-    pub(super) stencils: HashMap<u32, u32>,
-    /// Where tables begin, by their numbers.
-    pub(super) tables: HashMap<u32, u32>,
-    pub(super) color_stencils: HashMap<u32, u32>,
-    pub(super) color_tables: HashMap<u32, u32>,
-    pub(super) uv_tables: HashMap<u32, u32>,
-    /// By quad, and whether they are those of its sides alone.
-    pub(super) uv_stencils: HashMap<(u32, bool), [u32; 3]>,
-    pub(super) uv_rims: HashMap<u32, u32>,
-    pub(super) rim_stencils: HashMap<u32, u32>,
-    pub(super) rim_tables: HashMap<u32, u32>,
-    pub(super) corners: HashMap<u32, u32>,
-    pub(super) sides: HashMap<u32, u32>,
+    pub(super) there: There,
     done: Vec<ChunkData>,
 }
 
 /// Tables of points begin at multiples of this many words, whatever their width.
 pub(super) const ALIGNED: u32 = 6;
+
+/// Most bytes that alignment takes for a table.
+const SLACK: u64 = 4 * ALIGNED as u64;
 
 /// Blocks of a chunk that an entry of the list of large quads can name.
 const MOST_BLOCKS: usize = 1 << (u32::BITS - 2 * BLOCK_BITS);
@@ -134,17 +153,7 @@ pub(super) fn chunks(
     let mut builder = Builder {
         limit,
         data: ChunkData::default(),
-        stencils: HashMap::new(),
-        tables: HashMap::new(),
-        color_stencils: HashMap::new(),
-        color_tables: HashMap::new(),
-        uv_tables: HashMap::new(),
-        uv_stencils: HashMap::new(),
-        uv_rims: HashMap::new(),
-        rim_stencils: HashMap::new(),
-        rim_tables: HashMap::new(),
-        corners: HashMap::new(),
-        sides: HashMap::new(),
+        there: There::default(),
         done: Vec::new(),
     };
     for (dicer, plan) in dicers.iter().zip(plans) {
@@ -164,21 +173,11 @@ impl Builder {
             self.done.push(std::mem::take(&mut self.data));
         }
         self.data.first_rank = next;
-        self.stencils.clear();
-        self.tables.clear();
-        self.color_stencils.clear();
-        self.color_tables.clear();
-        self.uv_tables.clear();
-        self.uv_stencils.clear();
-        self.uv_rims.clear();
-        self.rim_stencils.clear();
-        self.rim_tables.clear();
-        self.corners.clear();
-        self.sides.clear();
+        self.there = There::default();
     }
 
     /// Faces that a quad's points come from.
-    fn quads_of(dicer: &Dicer<'_>, quad: u32) -> Vec<u32> {
+    pub(super) fn quads_of(dicer: &Dicer<'_>, quad: u32) -> Vec<u32> {
         let whole = dicer.surface.whole_quads();
         let mut all = vec![quad];
         for h in whole.face_halves(quad) {
@@ -189,10 +188,30 @@ impl Builder {
         all
     }
 
+    /// Bytes of weights and gathers of the sides of more quads.
+    pub(super) fn rim_bytes(&self, dicer: &Dicer<'_>, quads: &[u32]) -> Result<[u64; 2], GpuError> {
+        let (mut weights, mut gathers, mut seen) = (0, 0, Vec::new());
+        for &quad in quads {
+            if self.there.rims.stencils.contains_key(&quad) {
+                continue;
+            }
+            let FaceTable { number, table, .. } = dicer.table(quad)?;
+            gathers += 4 * table.columns.len() as u64;
+            if !self.there.rims.tables.contains_key(&number) && !seen.contains(&number) {
+                weights += table.rim_bytes() + SLACK;
+                seen.push(number);
+            }
+        }
+        Ok([weights, gathers])
+    }
+
     /// Bytes of points, weights, gathers, and what spots take from elsewhere, with one more face; points are not kept here.
     fn bytes_with(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> Result<[u64; 4], GpuError> {
         if dicer.shown == Shown::Polygons {
             return Ok(self.polygon_bytes(dicer, blocks));
+        }
+        if dicer.polygonal {
+            return self.sector_bytes(dicer, blocks[0].quad);
         }
         let whole = dicer.surface.whole_quads();
         let points: u64 = blocks.iter().map(|b| ((1_u64 << b.log) + 1).pow(2)).sum();
@@ -204,52 +223,41 @@ impl Builder {
         points += spots;
         let mut weights = 4 * self.data.weights.len() as u64;
         let mut gathers = 4 * self.data.gathers.len() as u64;
-        let mut seen = Vec::new();
         let own = blocks[0].quad;
-        // Tables of points begin at multiples of their width.
-        let slack = 4 * u64::from(ALIGNED);
         if dicer.shown != Shown::Pn {
             let FaceTable { number, table, .. } = dicer.table(own)?;
             gathers += 4 * table.columns.len() as u64;
-            if !self.tables.contains_key(&number) {
-                weights += table.bytes() + slack;
+            if !self.there.points.tables.contains_key(&number) {
+                weights += table.bytes() + SLACK;
             }
-            for quad in Self::quads_of(dicer, own) {
-                if self.rim_stencils.contains_key(&quad) {
-                    continue;
-                }
-                let FaceTable { number, table, .. } = dicer.table(quad)?;
-                gathers += 4 * table.columns.len() as u64;
-                if !self.rim_tables.contains_key(&number) && !seen.contains(&number) {
-                    weights += table.rim_bytes() + slack;
-                    seen.push(number);
-                }
-            }
+            let rims = self.rim_bytes(dicer, &Self::quads_of(dicer, own))?;
+            weights += rims[0];
+            gathers += rims[1];
         }
         if let Some(FaceTable { number, table, .. }) = dicer.color_table(own) {
             gathers += 4 * table.columns.len() as u64;
-            if !self.color_tables.contains_key(&number) {
-                weights += table.bytes() + slack;
+            if !self.there.colors.tables.contains_key(&number) {
+                weights += table.bytes() + SLACK;
             }
         }
         if let Some(FaceTable { number, table, .. }) = dicer.uv_table(own) {
             gathers += 4 * u64::from(table.count);
-            if !self.uv_tables.contains_key(&number) {
-                weights += table.bytes() + slack;
+            if !self.there.uv_tables.contains_key(&number) {
+                weights += table.bytes() + SLACK;
             }
         }
         if dicer.lifts_by_uvs() {
-            seen.clear();
+            let mut seen = Vec::new();
             for quad in Self::quads_of(dicer, own) {
                 let Some(FaceTable { number, table, .. }) = dicer.uv_table(quad) else {
                     continue;
                 };
-                if self.uv_stencils.contains_key(&(quad, true)) {
+                if self.there.uvs.contains_key(&(quad, true)) {
                     continue;
                 }
                 gathers += 4 * u64::from(table.count);
-                if !self.uv_rims.contains_key(&number) && !seen.contains(&number) {
-                    weights += table.rim_bytes() + slack;
+                if !self.there.uv_rims.contains_key(&number) && !seen.contains(&number) {
+                    weights += table.rim_bytes() + SLACK;
                     seen.push(number);
                 }
             }
@@ -295,8 +303,14 @@ impl Builder {
         let had = self.data.record_bytes();
         self.data.shown = Some(dicer.shown);
         self.data.look = dicer.look;
+        self.data.color_width = dicer.color_width();
         match dicer.shown {
             Shown::Polygons => self.add_polygon(dicer, blocks),
+            _ if dicer.polygonal => {
+                for block in blocks {
+                    self.add_sector(dicer, block)?;
+                }
+            }
             Shown::Points | Shown::Qas | Shown::Pn => self.add_face(dicer, plan, blocks)?,
         }
         Ok(budget.take(WHAT, self.data.record_bytes() - had, 0)?)

@@ -3,13 +3,12 @@
 use super::error::GpuError;
 use super::plan::ObjectPlan;
 use super::records::Rise;
-use super::surroundings::{Finder, Places, Surroundings};
-use super::tables::{self, Table, UvTable};
+use super::surroundings::Places;
+use super::tables::{Table, UvTable};
 use super::wgsl::{MAP, STILL};
 use crate::frame::{Drawing, Object};
 use crate::limits::Budget;
 use crate::patch::PatchKind;
-use crate::scheme::Scheme;
 use crate::surface::Surface;
 use crate::topology::NONE;
 use std::collections::HashMap;
@@ -25,23 +24,27 @@ pub(super) struct Dicer<'a> {
     pub(super) first_point: u32,
     pub(super) first_face: u32,
     /// Per cage face with a table.
-    faces: HashMap<u32, Places>,
+    pub(super) faces: HashMap<u32, Places>,
     pub(super) tables: Vec<Table>,
     /// Per face of the cage the number of its table of texture coordinates; empty without.
-    uv_numbers: HashMap<u32, u32>,
-    uv_tables: Vec<UvTable>,
+    pub(super) uv_numbers: HashMap<u32, u32>,
+    pub(super) uv_tables: Vec<UvTable>,
     /// First of the object's texture coordinates among the control numbers.
     pub(super) first_uv: u32,
     pub(super) look: Look,
     /// See [`Face::colors`].
     pub(super) colors: u32,
+    /// Whether colours have tables of their own: they are those of the limit surface, whatever is drawn of its points.
+    pub(super) own_colors: bool,
+    /// See [`ObjectPlan::polygonal`].
+    pub(super) polygonal: bool,
     pub(super) shown: Shown,
     /// First of what stands behind the control points of the scene for this object, counted as they are: normals of a cage, or control
     /// points of PN triangles.
     pub(super) first_extra: u32,
     /// Per drawn face the number of its table of colours, where that is not the one of its points.
-    color_numbers: HashMap<u32, u32>,
-    color_tables: Vec<Table>,
+    pub(super) color_numbers: HashMap<u32, u32>,
+    pub(super) color_tables: Vec<Table>,
     /// Per face of the cage that is drawn, its deepest level.
     pub(super) drawn_levels: HashMap<u32, u32>,
     /// Per edge of the whole quads, the level of the points on it; [`NONE`] where nothing is drawn.
@@ -108,34 +111,6 @@ pub(super) struct FaceTable<'a, T> {
     pub(super) table: &'a T,
 }
 
-/// Shapes by what makes them different, numbered in the order in which they are met.
-#[derive(Default)]
-struct Shapes {
-    numbers: HashMap<Vec<u32>, u32>,
-    all: Vec<Surroundings>,
-}
-
-impl Shapes {
-    /// The number of a shape, and the bytes that it takes where it is new.
-    fn number(&mut self, key: Vec<u32>, shape: &Surroundings) -> (u32, usize) {
-        let next = self.all.len() as u32;
-        let bytes = shape.bytes() + size_of_val(&*key);
-        let number = *self.numbers.entry(key).or_insert(next);
-        if number != next {
-            return (number, 0);
-        }
-        self.all.push(shape.clone());
-        (number, bytes)
-    }
-}
-
-/// The half-edges whose faces give a side its points, and its normals.
-#[derive(Clone, Copy)]
-pub(super) struct Owners {
-    pub(super) position: u32,
-    pub(super) normal: u32,
-}
-
 impl<'a> Dicer<'a> {
     pub(super) fn new(
         object: &'a Object,
@@ -158,7 +133,13 @@ impl<'a> Dicer<'a> {
             uv_tables: Vec::new(),
             first_uv: first.uv,
             look,
-            shown: Shown::of(surface, drawing),
+            shown: match Shown::of(surface, drawing) {
+                // Their corners are limit points still.
+                Shown::Qas if plan.polygonal => Shown::Points,
+                shown => shown,
+            },
+            polygonal: plan.polygonal,
+            own_colors: false,
             color_numbers: HashMap::new(),
             color_tables: Vec::new(),
             drawn_levels: HashMap::new(),
@@ -172,6 +153,8 @@ impl<'a> Dicer<'a> {
         if dicer.shown == Shown::Polygons {
             return Ok(dicer);
         }
+        let other_points = dicer.shown.is_patches() || drawing == Drawing::Refined;
+        dicer.own_colors = dicer.colors > 0 && other_points;
         let has_tables = dicer.shown != Shown::Pn || dicer.look.textured || dicer.colors > 0;
         if has_tables {
             // Before anything walks around vertices.
@@ -250,139 +233,12 @@ impl<'a> Dicer<'a> {
         }
     }
 
-    fn make_tables(
-        &mut self,
-        needs: &[u32],
-        drawing: Drawing,
-        budget: &mut Budget<'_>,
-    ) -> Result<(), GpuError> {
-        /// Faces between two looks at the budget.
-        const FACES: usize = 1024;
-        let finder = Finder::new(self.surface);
-        let (mut shapes, mut uv_shapes) = (Shapes::default(), Shapes::default());
-        let mut levels: Vec<u32> = Vec::new();
-        // Faces with texture coordinates, and the numbers of their shapes.
-        let mut uv_faces: Vec<[u32; 2]> = Vec::new();
-        let mut color_faces: Vec<[u32; 2]> = Vec::new();
-        // Colours are those of the limit surface, whatever is drawn of its points.
-        let own_colors =
-            self.colors > 0 && (self.shown.is_patches() || drawing == Drawing::Refined);
-        let mut bytes = 0;
-        for (face, &need) in (0..).zip(needs) {
-            if (face as usize).is_multiple_of(FACES) {
-                let taken = std::mem::take(&mut bytes) as u128;
-                budget.take("the faces of the GPU backend", taken, 0)?;
-            }
-            if need == NONE {
-                continue;
-            }
-            let found = finder.find(face);
-            let (shape, new) = shapes.number(found.key(), &found);
-            bytes += new;
-            match levels.get_mut(shape as usize) {
-                Some(level) => *level = need.max(*level),
-                None => levels.push(need),
-            }
-            let is_drawn = self.drawn_levels.contains_key(&face);
-            if own_colors && is_drawn {
-                color_faces.push([face, shape]);
-            }
-            if self.look.textured && is_drawn || self.lifts_by_uvs() {
-                let (shape, new) = uv_shapes.number(found.uv_key(), &found);
-                bytes += new;
-                uv_faces.push([face, shape]);
-            }
-            let places = found.into_places(shape);
-            bytes += places.bytes();
-            self.faces.insert(face, places);
+    /// Weights of a colour by a control point.
+    pub(super) fn color_width(&self) -> u32 {
+        match self.own_colors || self.polygonal || self.shown == Shown::Polygons {
+            true => 1,
+            false => self.look.width,
         }
-        budget.take("the faces of the GPU backend", bytes as u128, 0)?;
-        let wanted: Vec<_> = shapes.all.iter().zip(levels).collect();
-        if self.shown != Shown::Pn {
-            self.tables = tables::make(self.surface, &wanted, drawing, self.look.width, budget)?;
-        }
-        let (numbers, wanted) = self.numbered(&color_faces, &shapes.all);
-        self.color_numbers = numbers;
-        self.color_tables = tables::make(
-            self.surface,
-            &wanted,
-            Drawing::Limit,
-            self.look.width,
-            budget,
-        )?;
-        let (numbers, wanted) = self.numbered(&uv_faces, &uv_shapes.all);
-        self.uv_numbers = numbers;
-        self.uv_tables = tables::make_uvs(self.surface, &wanted, self.look.uv_width, budget)?;
-        Ok(())
-    }
-
-    /// Tables of values beside points, as fine as what is drawn: the number of each of `faces`, which come with their shapes, and what tables
-    /// are wanted.
-    fn numbered<'s>(
-        &self,
-        faces: &[[u32; 2]],
-        shapes: &'s [Surroundings],
-    ) -> (HashMap<u32, u32>, Vec<tables::Wanted<'s>>) {
-        let mut numbers: HashMap<[u32; 2], u32> = HashMap::new();
-        let mut wanted: Vec<tables::Wanted<'s>> = Vec::new();
-        let mut of_faces = HashMap::new();
-        for &[face, shape] in faces {
-            let level = match self.shown.is_patches() {
-                true => self.drawn_levels[&face],
-                false => self.tables[self.faces[&face].shape as usize].level,
-            };
-            let next = wanted.len() as u32;
-            let number = *numbers.entry([shape, level]).or_insert(next);
-            if number == next {
-                wanted.push((&shapes[shape as usize], level));
-            }
-            of_faces.insert(face, number);
-        }
-        (of_faces, wanted)
-    }
-
-    /// Whose points a side has: those of the edge's first half-edge; normals are one's own along creases and borders.
-    pub(super) fn side_owners(&self, h: u32) -> Owners {
-        let (whole, cut) = (self.surface.whole_quads(), self.surface.quads());
-        let twin = cut.twin(h);
-        let own = twin == NONE || self.is_faceted();
-        Owners {
-            position: whole.edge_half(whole.edge(h)),
-            normal: if own { h } else { h.min(twin) },
-        }
-    }
-
-    /// The same of a corner: the first half-edge around.
-    pub(super) fn corner_owners(&self, h: u32) -> Owners {
-        let (whole, cut) = (self.surface.whole_quads(), self.surface.quads());
-        let first = |found: u32| if found == NONE { h } else { found };
-        Owners {
-            position: first(whole.fans()[whole.fan(h) as usize].first),
-            normal: match self.is_faceted() {
-                true => h,
-                false => first(cut.fans()[cut.fan(h) as usize].first),
-            },
-        }
-    }
-
-    /// Half-edges whose faces say something of the side `h` or the corner that it begins with.
-    pub(super) fn sources(&self, h: u32) -> impl Iterator<Item = u32> + use<> {
-        let [a, b] = [self.side_owners(h), self.corner_owners(h)];
-        let mut all = vec![a.position, a.normal, b.position, b.normal];
-        if self.is_displaced() {
-            let mitred = [self.surface.mitred_side(h), self.surface.mitred_corner(h)];
-            all.extend(mitred.into_iter().flatten().flatten());
-        }
-        all.into_iter()
-    }
-
-    /// How many normals the directions of a side's points are mitres of, and that of the corner that it begins with.
-    pub(super) fn mitred(&self, h: u32) -> [u64; 2] {
-        if !self.is_displaced() {
-            return [0; 2];
-        }
-        let mitred = [self.surface.mitred_side(h), self.surface.mitred_corner(h)];
-        mitred.map(|all| all.map_or(0, |all| all.len() as u64))
     }
 
     pub(super) fn is_displaced(&self) -> bool {
@@ -392,11 +248,6 @@ impl<'a> Dicer<'a> {
     /// Whether texture coordinates say how far points move.
     pub(super) fn lifts_by_uvs(&self) -> bool {
         self.look.rise.shape == MAP && self.surface.has_uvs()
-    }
-
-    /// Whether every face has normals of its own all around.
-    pub(super) fn is_faceted(&self) -> bool {
-        self.surface.scheme() == Scheme::Bilinear || self.shown == Shown::Pn
     }
 
     /// Where the control points of a quad's PN triangles stand.
@@ -458,17 +309,5 @@ impl<'a> Dicer<'a> {
         } else {
             0
         }
-    }
-
-    pub(super) fn corner_count(&self) -> u32 {
-        if self.surface.is_triangular() { 3 } else { 4 }
-    }
-
-    /// Column and row of the point `k` of `n` along side `c`.
-    pub(super) fn along(&self, c: u32, k: u32, n: u32) -> [u32; 2] {
-        if self.surface.is_triangular() {
-            return [[k, 0], [n, k], [n - k, n - k]][c as usize];
-        }
-        [[k, 0], [n, k], [n - k, n], [0, n - k]][c as usize]
     }
 }

@@ -1,23 +1,26 @@
 //! What a face reads of its chunk: the spots of its corners and sides, its stencils and tables. Each is listed once per chunk.
 
-use super::chunk::{ALIGNED, Builder, ChunkData};
-use super::dicer::{Dicer, FaceTable, Owners, Shown};
+use super::chunk::{ALIGNED, Builder, ChunkData, Listed};
+use super::dicer::{Dicer, FaceTable, Shown};
 use super::error::GpuError;
+use super::owners::Owners;
 use super::records::{Face, Spot, Stencil};
 use super::tables::{Table, rim_index};
 use super::wgsl::pn_place;
-use std::collections::HashMap;
 
 impl ChunkData {
-    /// Adds the stencil of a quad, with its table unless that is there: `tables` says where they begin.
-    fn add_stencil(
+    /// The stencil of a quad, added with its table unless they are there.
+    fn stencil(
         &mut self,
+        there: &mut Listed,
         dicer: &Dicer<'_>,
         quad: u32,
         of: FaceTable<'_, Table>,
         is_rim: bool,
-        tables: &mut HashMap<u32, u32>,
     ) -> u32 {
+        if let Some(&found) = there.stencils.get(&quad) {
+            return found;
+        }
         let table = of.table;
         let sub = dicer.sub(quad);
         let (of_table, offset, stride) = match is_rim {
@@ -25,7 +28,7 @@ impl ChunkData {
             false => (&table.weights, table.offset(sub), table.stride()),
         };
         let weights = &mut self.weights;
-        let base = *tables.entry(of.number).or_insert_with(|| {
+        let base = *there.tables.entry(of.number).or_insert_with(|| {
             let base = weights.len() as u32 / table.width;
             weights.extend_from_slice(of_table);
             weights.resize(weights.len().next_multiple_of(ALIGNED as usize), 0.0);
@@ -41,6 +44,7 @@ impl ChunkData {
         let own = table.columns.iter();
         let own = own.map(|&k| of.places.vertices[k as usize] + dicer.first_point);
         self.gathers.extend(own);
+        there.stencils.insert(quad, next);
         next
     }
 }
@@ -127,14 +131,14 @@ impl Builder {
         let Some(of) = dicer.uv_table(quad) else {
             return [0; 3];
         };
-        if let Some(&found) = self.uv_stencils.get(&(quad, is_rim)) {
+        if let Some(&found) = self.there.uvs.get(&(quad, is_rim)) {
             return found;
         }
         let (number, table) = (of.number, of.table);
         let sub = dicer.sub(quad);
         let (tables, of_table, offset) = match is_rim {
-            true => (&mut self.uv_rims, &table.rim, table.rim_offset(sub)),
-            false => (&mut self.uv_tables, &table.weights, table.offset(sub)),
+            true => (&mut self.there.uv_rims, &table.rim, table.rim_offset(sub)),
+            false => (&mut self.there.uv_tables, &table.weights, table.offset(sub)),
         };
         let weights = &mut self.data.weights;
         let base = *tables.entry(number).or_insert_with(|| {
@@ -147,40 +151,25 @@ impl Builder {
         let own = of.places.uvs.iter().map(|&k| dicer.first_uv + 2 * k);
         self.data.gathers.extend(own);
         let found = [gather, table.count, base + offset];
-        self.uv_stencils.insert((quad, is_rim), found);
+        self.there.uvs.insert((quad, is_rim), found);
         found
     }
 
     fn stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
-        if let Some(&found) = self.stencils.get(&quad) {
-            return Ok(found);
-        }
-        let next =
-            (self.data).add_stencil(dicer, quad, dicer.table(quad)?, false, &mut self.tables);
-        self.stencils.insert(quad, next);
-        Ok(next)
+        let there = &mut self.there.points;
+        Ok((self.data).stencil(there, dicer, quad, dicer.table(quad)?, false))
     }
 
     /// The stencil of a quad's sides alone.
     fn rim_stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
-        if let Some(&found) = self.rim_stencils.get(&quad) {
-            return Ok(found);
-        }
-        let next =
-            (self.data).add_stencil(dicer, quad, dicer.table(quad)?, true, &mut self.rim_tables);
-        self.rim_stencils.insert(quad, next);
-        Ok(next)
+        let there = &mut self.there.rims;
+        Ok((self.data).stencil(there, dicer, quad, dicer.table(quad)?, true))
     }
 
     /// The stencil of a quad's colours, where it is one of its own.
     fn color_stencil(&mut self, dicer: &Dicer<'_>, quad: u32) -> Option<u32> {
         let of = dicer.color_table(quad)?;
-        if let Some(&found) = self.color_stencils.get(&quad) {
-            return Some(found);
-        }
-        let next = (self.data).add_stencil(dicer, quad, of, false, &mut self.color_tables);
-        self.color_stencils.insert(quad, next);
-        Some(next)
+        Some((self.data).stencil(&mut self.there.colors, dicer, quad, of, false))
     }
 
     /// Stencil and point of a place of a quad, given on the grid of `level`.
@@ -203,9 +192,9 @@ impl Builder {
         Ok([self.rim_stencil(dicer, quad)?, index])
     }
 
-    fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> Result<u32, GpuError> {
+    pub(super) fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> Result<u32, GpuError> {
         let owners = dicer.corner_owners(h);
-        if let Some(&found) = self.corners.get(&owners.normal) {
+        if let Some(&found) = self.there.corners.get(&owners.normal) {
             return Ok(found);
         }
         let count = dicer.corner_count();
@@ -224,7 +213,7 @@ impl Builder {
         if dicer.is_displaced() {
             self.lift_corner(dicer, h, owners)?;
         }
-        self.corners.insert(owners.normal, at);
+        self.there.corners.insert(owners.normal, at);
         Ok(at)
     }
 
@@ -235,7 +224,7 @@ impl Builder {
         owners: Owners,
         level: u32,
     ) -> Result<u32, GpuError> {
-        if let Some(&found) = self.sides.get(&owners.normal) {
+        if let Some(&found) = self.there.sides.get(&owners.normal) {
             return Ok(found);
         }
         let (count, n) = (dicer.corner_count(), 1_u32 << level);
@@ -259,7 +248,7 @@ impl Builder {
                 self.lift_side(dicer, h, owners, [turned, level])?;
             }
         }
-        self.sides.insert(owners.normal, first);
+        self.there.sides.insert(owners.normal, first);
         Ok(first)
     }
 }

@@ -32,7 +32,7 @@
 //! # What is refused
 //!
 //! Displacement by a caller's rule, displacement of patches and of interpolating surfaces, normal and bump maps on these, refinement patterns,
-//! outputs beside the picture, n-gons at level 0 but in cages, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
+//! outputs beside the picture, n-gons at level 0 of bilinear surfaces, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
 //! Adaptive blocks, displaced ones among them, are decided on the processor, for the view that a scene was made for.
 
 pub mod records;
@@ -57,6 +57,8 @@ mod further;
 #[cfg(feature = "gpu")]
 mod levels;
 #[cfg(feature = "gpu")]
+mod owners;
+#[cfg(feature = "gpu")]
 mod pipelines;
 #[cfg(feature = "gpu")]
 mod plan;
@@ -68,6 +70,10 @@ mod read_back;
 mod ready;
 #[cfg(feature = "gpu")]
 mod rise;
+#[cfg(feature = "gpu")]
+mod sectors;
+#[cfg(feature = "gpu")]
+mod shapes;
 #[cfg(feature = "gpu")]
 mod stats;
 #[cfg(feature = "gpu")]

@@ -5,9 +5,11 @@ use super::error::GpuError;
 use super::wgsl::BLOCK_BITS;
 use crate::camera::View;
 use crate::dice::FacePatch;
-use crate::frame::{Drawing, Object, Renderer, Scene};
+use crate::frame::{Drawing, Object, Renderer, Scene, leaf_triangles};
 use crate::limits::Budget;
 use crate::patch::PatchKind;
+use crate::scheme::Scheme;
+use crate::surface::Surface;
 use crate::tessellate::Tessellation;
 use crate::topology::NONE;
 
@@ -34,6 +36,9 @@ pub(super) struct ObjectPlan {
     pub(super) blocks: Vec<PlannedBlock>,
     /// Point in the block, row by row, and where it is on the face's reach.
     pub(super) moves: Vec<[u32; 3]>,
+    /// Whether it is level 0 of a cage with other polygons than quads: quads are blocks of their corners, other polygons one for each
+    /// corner, with their centre.
+    pub(super) polygonal: bool,
 }
 
 /// What is drawn of a scene.
@@ -164,15 +169,35 @@ fn drawn_quads<'a>(scene: &'a Scene, object: &'a Object) -> impl Iterator<Item =
     quads.filter(move |&q| scene.is_drawn(object, surface.cage_face(q)))
 }
 
+/// Whether a level is drawn as polygons between limit points.
+fn is_polygonal(surface: &Surface, level: u32) -> bool {
+    level == 0 && surface.is_split() && surface.displacement().is_none()
+}
+
+/// Whether a quad of a polygonal level is drawn: the first alone of a face of four corners.
+fn stands_for_face(surface: &Surface, quad: u32) -> bool {
+    let corners = surface.topology().face_halves(surface.cage_face(quad));
+    corners.len() != 4 || corners.start == quad
+}
+
 fn uniform_extent(scene: &Scene, object: &Object, level: u32) -> Result<Extent, GpuError> {
     let surface = &object.surface;
-    let split = u32::from(surface.is_split());
-    if level < split {
-        return Err(GpuError::Unsupported {
-            what: "polygons of other than four corners at level 0",
+    if is_polygonal(surface, level) {
+        if surface.scheme() == Scheme::Bilinear {
+            return Err(GpuError::Unsupported {
+                what: "polygons of other than four corners at level 0 of bilinear surfaces",
+            });
+        }
+        let blocks = drawn_quads(scene, object).filter(|&q| stands_for_face(surface, q));
+        let blocks = blocks.count() as u64;
+        return Ok(Extent {
+            quads: surface.quads().face_count() as u64,
+            blocks,
+            triangles: 2 * blocks,
+            ..Extent::default()
         });
     }
-    let quad_level = level - split;
+    let quad_level = level.saturating_sub(u32::from(surface.is_split()));
     let side = u64::from(FacePatch::blocks_per_side(quad_level));
     let [blocks, triangles] = match surface.is_triangular() {
         true => [side * (side + 1) / 2, 1_u64 << (2 * quad_level)],
@@ -190,15 +215,19 @@ fn uniform_extent(scene: &Scene, object: &Object, level: u32) -> Result<Extent, 
 
 fn uniform(scene: &Scene, object: &Object, level: u32) -> ObjectPlan {
     let surface = &object.surface;
-    let quad_level = level - u32::from(surface.is_split());
+    let quad_level = level.saturating_sub(u32::from(surface.is_split()));
     let mut plan = ObjectPlan {
         reach: vec![NONE; surface.quads().face_count()],
+        polygonal: is_polygonal(surface, level),
         ..ObjectPlan::default()
     };
     let blocks = FacePatch::blocks_per_side(quad_level);
     let log = quad_level.min(BLOCK_BITS);
     for quad in drawn_quads(scene, object) {
         plan.reach[quad as usize] = quad_level;
+        if plan.polygonal && !stands_for_face(surface, quad) {
+            continue;
+        }
         for bv in 0..blocks {
             for bu in 0..blocks {
                 if surface.is_triangular() && bv > bu {
@@ -258,6 +287,7 @@ fn tessellated_extent(object: &Object, found: &Tessellation) -> Result<Extent, G
         quads: object.surface.quads().face_count() as u64,
         blocks: found.leaves.len() as u64,
         moves: found.move_count() as u64,
+        triangles: leaf_triangles(found),
         ..Extent::default()
     };
     for leaf in &found.leaves {
@@ -266,11 +296,8 @@ fn tessellated_extent(object: &Object, found: &Tessellation) -> Result<Extent, G
                 what: "refinement patterns",
             });
         }
-        let half = u64::from(found.triangular && leaf.is_diagonal());
-        out.triangles += (2 - half) << (2 * leaf.log);
         out.log = out.log.max(u32::from(leaf.log));
     }
-    out.triangles -= out.moves;
     Ok(out)
 }
 

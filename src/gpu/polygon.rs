@@ -1,25 +1,57 @@
 //! The polygons of a cage as blocks of one micro-quad: their corners are control points as they are, and what is given there.
 
-use super::chunk::{Builder, NamedBlock};
+use super::chunk::{ALIGNED, Builder, NamedBlock};
 use super::dicer::Dicer;
 use super::plan::PlannedBlock;
 use super::records::{Block, Face, POINT_FLOATS, Spot, Stencil};
 use crate::topology::NONE;
 
 /// Corner of a quad at each place of a block, row by row.
-const CORNERS: [usize; 4] = [0, 1, 3, 2];
+pub(super) const CORNERS: [usize; 4] = [0, 1, 3, 2];
 
-/// Words of a table that gives each place its corner: by corner and place, in triples.
-const TABLE: usize = 3 * 4 * 4;
+/// Words of a table that gives each place its corner: by corner and place.
+const TABLE: usize = 4 * 4;
+
+/// Corners of block `k` of a face of `count` corners.
+fn corners(k: u32, count: usize) -> [u32; 4] {
+    match count {
+        4 => [0, 1, 2, 3],
+        // Triangles repeat their last corner.
+        _ => [0, k + 1, k + 2, k + 2],
+    }
+}
+
+/// The number of a table, of the corners that have a value.
+fn table_number(there: [bool; 4]) -> u32 {
+    (0..4).map(|c| u32::from(there[c]) << c).sum()
+}
 
 impl Builder {
     /// Bytes of points, weights and gathers with the blocks of one more face: no less than what they take.
     pub(super) fn polygon_bytes(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> [u64; 4] {
-        let corners = dicer.surface.cage().face(blocks[0].quad as usize).len();
-        // Blocks have four points and four corners at most, each with a gather, one for its colour and one for its texture coordinates.
-        let points = u64::from(self.data.points()) + (4 * blocks.len() + corners) as u64;
-        let weights = self.data.weights.len() + (blocks.len().min(16) + 1) * (TABLE + 6);
-        let gathers = self.data.gathers.len() + corners + 8 * blocks.len();
+        let cage = dicer.surface.cage();
+        let face = blocks[0].quad as usize;
+        let (vertices, first) = (cage.face(face), cage.face_offsets()[face]);
+        let points = u64::from(self.data.points()) + (4 * blocks.len() + vertices.len()) as u64;
+        let is_new = |v: &&u32| !self.there.points.stencils.contains_key(v);
+        let mut gathers = self.data.gathers.len() + vertices.iter().filter(is_new).count();
+        let mut tables = Vec::new();
+        if dicer.colors > 0 {
+            gathers += 4 * blocks.len();
+            tables.push(table_number([true; 4]));
+        }
+        if dicer.look.textured {
+            gathers += 4 * blocks.len();
+            let of = |b: &PlannedBlock| corners(b.start[0], vertices.len());
+            let uvs = |b| of(b).map(|k| cage.corner_uvs()[(first + k) as usize] != NONE);
+            tables.extend(blocks.iter().map(|b| table_number(uvs(b))));
+        }
+        tables.sort_unstable();
+        tables.dedup();
+        tables.retain(|number| !self.there.uv_tables.contains_key(number));
+        // Each table begins at a multiple.
+        let table = TABLE.next_multiple_of(ALIGNED as usize);
+        let weights = self.data.weights.len() + tables.len() * table;
         [
             points * 4 * u64::from(POINT_FLOATS),
             4 * weights as u64,
@@ -33,41 +65,39 @@ impl Builder {
         let cage = dicer.surface.cage();
         let face = blocks[0].quad as usize;
         let first = cage.face_offsets()[face];
-        let corners = cage.face(face).len() as u32;
+        let count = cage.face(face).len();
         let spots = self.data.spots.len() as u32;
-        for corner in first..first + corners {
+        for corner in first..first + count as u32 {
             let spot = self.polygon_corner(dicer, corner);
             self.data.spots.push(spot);
         }
         for b in blocks {
-            let k = b.start[0];
-            let of = match corners {
-                4 => [0, 1, 2, 3],
-                // Triangles repeat their last corner.
-                _ => [0, k + 1, k + 2, k + 2],
-            };
+            let of = corners(b.start[0], count);
             let own = self.polygon(dicer, face as u32, spots, of.map(|k| first + k));
-            let number = self.data.faces.len() as u32;
-            self.data.faces.push(Face {
-                corners: of.map(|k| spots + k),
-                ..own
-            });
-            self.data.named.push(NamedBlock {
-                quad: b.quad,
-                start: b.start,
-                log: 0,
-                base: self.data.block_points,
-            });
-            self.data.blocks.push(Block {
-                face: number,
-                step: 1,
-                base: self.data.block_points,
-                level: b.shown,
-                ..Block::default()
-            });
-            self.data.block_points += 4;
-            self.data.quads += 1;
+            let corners = of.map(|k| spots + k);
+            self.add_single(Face { corners, ..own }, b);
         }
+    }
+
+    /// Adds a face that is one block of one micro-quad.
+    pub(super) fn add_single(&mut self, face: Face, b: &PlannedBlock) {
+        let data = &mut self.data;
+        data.named.push(NamedBlock {
+            quad: b.quad,
+            start: b.start,
+            log: 0,
+            base: data.block_points,
+        });
+        data.blocks.push(Block {
+            face: data.faces.len() as u32,
+            step: 1,
+            base: data.block_points,
+            level: b.shown,
+            ..Block::default()
+        });
+        data.faces.push(face);
+        data.block_points += 4;
+        data.quads += 1;
     }
 
     /// A corner of the cage: its point as it is, and the normal that is given there.
@@ -75,7 +105,7 @@ impl Builder {
         let cage = dicer.surface.cage();
         let vertex = cage.corner_vertices()[corner as usize];
         let data = &mut self.data;
-        let stencil = *self.stencils.entry(vertex).or_insert_with(|| {
+        let stencil = *self.there.points.stencils.entry(vertex).or_insert_with(|| {
             data.stencils.push(Stencil {
                 gather: data.gathers.len() as u32,
                 count: 1,
@@ -111,7 +141,7 @@ impl Builder {
             ..Face::default()
         };
         if dicer.colors > 0 {
-            let table = self.polygon_table(3, [true; 4]) / 3;
+            let table = self.polygon_table([true; 4]);
             let data = &mut self.data;
             out.color_stencil = data.stencils.len() as u32;
             data.stencils.push(Stencil {
@@ -125,7 +155,7 @@ impl Builder {
         }
         if dicer.look.textured {
             let own = corners.map(|c| cage.corner_uvs()[c as usize]);
-            out.uv_table = self.polygon_table(1, own.map(|uv| uv != NONE));
+            out.uv_table = self.polygon_table(own.map(|uv| uv != NONE));
             out.uv_gather = self.data.gathers.len() as u32;
             out.uv_count = 4;
             // What is missing has no weight.
@@ -136,17 +166,16 @@ impl Builder {
         out
     }
 
-    /// Where a table begins whose values, the first of `width`, give each place its corner, but for corners that are missing.
-    fn polygon_table(&mut self, width: usize, there: [bool; 4]) -> u32 {
-        let bits = (0..4).map(|c| u32::from(there[c]) << c).sum::<u32>();
+    /// Where a table begins that gives each place its corner, but for corners that are missing.
+    fn polygon_table(&mut self, there: [bool; 4]) -> u32 {
         let weights = &mut self.data.weights;
-        let key = bits | (width as u32) << 4;
-        *self.uv_tables.entry(key).or_insert_with(|| {
+        let tables = &mut self.there.uv_tables;
+        *tables.entry(table_number(there)).or_insert_with(|| {
             let base = weights.len();
-            weights.resize((base + 16 * width).next_multiple_of(6), 0.0);
+            weights.resize((base + TABLE).next_multiple_of(ALIGNED as usize), 0.0);
             for (place, &corner) in CORNERS.iter().enumerate() {
                 if there[corner] {
-                    weights[base + (corner * 4 + place) * width] = 1.0;
+                    weights[base + corner * 4 + place] = 1.0;
                 }
             }
             base as u32

@@ -4,7 +4,7 @@ use super::chunk::{ChunkData, chunks};
 use super::dicer::{Dicer, Firsts, Look};
 use super::error::GpuError;
 use super::further::Further;
-use super::plan::plan;
+use super::plan::{ObjectPlan, plan};
 use super::records::Rise;
 use super::rise::Maps;
 use super::stats::GpuStats;
@@ -36,7 +36,7 @@ pub(super) struct Ready {
 fn look<'a>(
     renderer: &Renderer,
     scene: &Scene,
-    object: &'a Object,
+    (object, plan): (&'a Object, &ObjectPlan),
     wants_uvs: bool,
     heights: &mut Maps<'a>,
     budget: &mut Budget<'_>,
@@ -48,7 +48,8 @@ fn look<'a>(
         what: "displacement of the device",
     })?;
     let textured = wants_uvs && surface.has_uvs();
-    let tilted = textured && !is_cage && (scene.has_relief() || object.is_shaded_by_map());
+    let has_tangents = !is_cage && !plan.polygonal;
+    let tilted = textured && has_tangents && (scene.has_relief() || object.is_shaded_by_map());
     let by_map = displacement.is_some_and(Displacement::needs_uvs);
     Ok(Look {
         width: if displacement.is_some() { 6 } else { 3 },
@@ -112,7 +113,14 @@ impl Ready {
                 plan,
                 first,
                 renderer.drawing,
-                look(renderer, scene, object, wants_uvs, &mut heights, budget)?,
+                look(
+                    renderer,
+                    scene,
+                    (object, plan),
+                    wants_uvs,
+                    &mut heights,
+                    budget,
+                )?,
                 budget,
             )?);
             let points = object.surface.control_base();

@@ -178,6 +178,12 @@ record! {
         tangents: u32,
         /// 1 where faces are cut out by opacity maps.
         cut: u32,
+        /// Weights of a colour by a control point, of which the first is read.
+        color_width: u32,
+        /// Nothing.
+        padding: u32,
+        /// Nothing.
+        more_padding: [u32; 2],
     }
 }
 

@@ -1,8 +1,9 @@
 //! Displacement as the device has it: what says heights, and what spots take from elsewhere.
 
 use super::chunk::Builder;
-use super::dicer::{Dicer, Owners};
+use super::dicer::Dicer;
 use super::error::GpuError;
+use super::owners::Owners;
 use super::records::{Lift, Rise};
 use super::wgsl::{MAP, NOISE, RIDGED, RIPPLES};
 use crate::displace::{Displacement, HeightMap, Shape, Source};

@@ -22,7 +22,7 @@ pub(super) struct Table {
     pub(super) columns: Vec<u32>,
     /// Weights of a column at a point.
     pub(super) width: u32,
-    /// Position, du and dv, and where there are six duu, duv and dvv; by quad of the face where it is split, by column, by point of the grid.
+    /// Position; where there are three du and dv, and where there are six duu, duv and dvv; by quad of the face where it is split, by column, by point of the grid.
     pub(super) weights: Vec<f32>,
     /// The same of the points on the sides alone, by [`rim_index`].
     pub(super) rim: Vec<f32>,
@@ -196,7 +196,7 @@ fn one(
         if let Some(corners) = &mut corners {
             corners.read(&surface, first);
         }
-        let mut jets = (width > 3).then(|| PlaceJets::new(&surface, level));
+        let mut jets = (width > 3).then(|| PlaceJets::new(&surface));
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -218,9 +218,11 @@ fn one(
                         let at = (sub * count + k) * side * side + j * side + i;
                         let out = &mut weights[at * width as usize..][..width as usize];
                         let c = k - first;
-                        out[..3].copy_from_slice(&[position[c], s.du[c], s.dv[c]]);
-                        if let Some(all) = &all {
-                            out[1..].copy_from_slice(&all.map(|d| d[c]));
+                        out[0] = position[c];
+                        match &all {
+                            Some(all) => out[1..].copy_from_slice(&all.map(|d| d[c])),
+                            None if width > 1 => out[1..].copy_from_slice(&[s.du[c], s.dv[c]]),
+                            None => (),
                         }
                     }
                 }
@@ -362,7 +364,7 @@ fn one_uvs(
         }
         let surface = shape.surface_with(whole, &values);
         let mut face = surface.face_evaluator(0).ok_or(NO_WEIGHTS)?;
-        let mut jets = (width > 1).then(|| PlaceJets::new(&surface, level));
+        let mut jets = (width > 1).then(|| PlaceJets::new(&surface));
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {

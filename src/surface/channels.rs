@@ -15,12 +15,17 @@ impl Surface {
     pub(crate) fn ensure(&self, level: u32) {
         for level in self.levels_of(level) {
             if let Some(control) = &self.control {
-                control.ensure(level);
+                control.ensure(level, self.beyond());
             }
             if let Some(tables) = &self.tables {
                 tables.ensure(level);
             }
         }
+    }
+
+    /// Control levels beyond those of points: derivatives at points of a grid take one more, but right at features.
+    fn beyond(&self) -> u32 {
+        u32::from(self.displaced.is_some())
     }
 
     /// The levels that dicing at one asks for: patches are fitted to points of level 1.
@@ -43,7 +48,7 @@ impl Surface {
     pub(crate) fn try_ensure(&self, level: u32, budget: &mut Budget<'_>) -> Result<(), LimitError> {
         for level in self.levels_of(level) {
             if let Some(control) = &self.control {
-                control.try_ensure(level, budget)?;
+                control.try_ensure(level, self.beyond(), budget)?;
             }
             if let Some(tables) = &self.tables {
                 tables.try_ensure(level, budget)?;

@@ -3,11 +3,11 @@
 use super::Surface;
 #[cfg(feature = "gpu")]
 use super::displaced::linear_derivatives;
-use crate::control::{Kind, TreeChannel};
-use crate::dice::control::Descend;
-use crate::dice::evaluate::{self, Jet, Leaf, Place, QuadEvaluator, Row};
+use crate::control::{Kind, Pieces, TreeChannel, levels_beyond};
+use crate::dice::MAX_LEVEL;
+use crate::dice::evaluate::{Jet, Leaf, Place, QuadEvaluator, Row};
 use crate::dice::face::Part;
-use crate::dice::triangle::{DescendTriangles, JetLines, TriangleChannel, TriangleEvaluator, leaf};
+use crate::dice::triangle::{JetLines, TriangleChannel, TriangleEvaluator};
 use crate::displace;
 use crate::records::BLOCK_STRIDE;
 use crate::simd::Level;
@@ -30,6 +30,15 @@ impl Derivatives {
             for (out, d) in out.second.iter_mut().zip(self.second) {
                 out.put(k, d);
             }
+        }
+    }
+
+    fn put_line(&self, out: &mut JetLines<'_>, k: usize) {
+        let [du, dv] = &mut out.first;
+        du.put(k, self.du);
+        dv.put(k, self.dv);
+        for (out, d) in out.second.iter_mut().flatten().zip(self.second) {
+            out.put(k, d);
         }
     }
 
@@ -60,53 +69,33 @@ impl Jets {
     }
 
     /// Derivatives at column `at[0]` and row `at[1]` of a face's grid, both from 0 to 1. None of interpolating surfaces.
+    ///
+    /// They do not depend on how many control levels there are.
     pub(super) fn at<const ORDER: u32>(
         &mut self,
         surface: &Surface,
         kind: Kind,
-        level: u32,
         face: u32,
         [s, t]: [f32; 2],
     ) -> Option<Derivatives> {
-        let below = surface.below(kind, level, None);
-        if surface.triangles {
-            let root = surface.triangle_channel(kind)?;
-            let (u, v) = (s - t, t);
-            let found = below.as_ref().and_then(|b| leaf(b, face, u, v, true));
-            let Leaf {
-                channel,
-                depth,
-                quad,
-                at,
-                scale,
-                tip,
-                ..
-            } = found.unwrap_or_else(|| whole(root, face, [u, v]));
-            if self.ready != Some((depth, quad)) {
-                self.triangle.prepare(channel, quad);
-                self.ready = Some((depth, quad));
-            }
-            let found = self.triangle.at::<ORDER>(channel, at[0], at[1]);
-            return Some(derivatives::<ORDER>(found, scale, tip.is_some()));
-        }
-        let root = surface.channel(kind, None)?;
-        let found =
-            (below.as_ref()).and_then(|b| evaluate::leaf(b as &dyn Descend, face, s, t, true));
-        let Leaf {
-            channel,
-            depth,
-            quad,
+        let below = surface.below(kind, MAX_LEVEL, None);
+        let (ready, site) = (&mut self.ready, |at| Site {
+            kind,
+            face,
             at,
-            scale,
-            tip,
-            ..
-        } = found.unwrap_or_else(|| whole(root, face, [s, t]));
-        if self.ready != Some((depth, quad)) {
-            self.quad.prepare(channel, quad);
-            self.ready = Some((depth, quad));
-        }
-        let found = self.quad.at::<ORDER>(channel, at[0], at[1]);
-        Some(derivatives::<ORDER>(found, scale, tip.is_some()))
+            scale: 1.0,
+            depth: 0,
+            tip: false,
+        });
+        Some(if surface.triangles {
+            let root = surface.triangle_channel(kind)?;
+            let at = site([s - t, t]);
+            below_face::<_, ORDER>(&mut self.triangle, ready, (root, below.as_ref()), at)
+        } else {
+            let root = surface.channel(kind, None)?;
+            let at = site([s, t]);
+            below_face::<_, ORDER>(&mut self.quad, ready, (root, below.as_ref()), at)
+        })
     }
 
     /// Derivatives along row `j` of a part of a face's grid, in `columns`, from place `at` of `out` on; second ones if `ORDER` is 2. Says
@@ -114,7 +103,7 @@ impl Jets {
     pub(super) fn row<const ORDER: u32>(
         &mut self,
         surface: &Surface,
-        (kind, level): (Kind, u32),
+        kind: Kind,
         face: u32,
         (part, j, columns): (Part, u32, Range<u32>),
         simd: Level,
@@ -122,7 +111,7 @@ impl Jets {
     ) -> bool {
         let scale = 1.0 / (1_u32 << part.level) as f32;
         let place = |i: u32, k: usize| (part.start[k] + i) as f32 * scale;
-        let below = surface.below(kind, level, None);
+        let below = surface.below(kind, MAX_LEVEL, None);
         if surface.triangles {
             let t = place(j, 1);
             let us = columns.map(|i| place(i, 0) - t);
@@ -134,18 +123,14 @@ impl Jets {
                 first: [&mut out.du, &mut out.dv],
                 second: (ORDER > 1).then_some([uu, uv, vv]),
             };
-            self.triangle_line::<ORDER>((root, below.as_ref()), face, (us, t), simd, &mut out, at);
+            let of = (root, below.as_ref(), kind);
+            self.triangle_line::<ORDER>(of, face, (us, t), simd, &mut out, at);
             return true;
         }
-        let is_refined = |below: &dyn Descend| {
-            below
-                .at(0)
-                .is_some_and(|root| root.first_child(face).is_some())
-        };
-        if below.as_ref().is_some_and(|b| is_refined(b)) {
+        if (below.as_ref()).is_some_and(|b| QuadEvaluator::is_refined(b, face)) {
             let t = place(j, 1);
             for (k, i) in columns.enumerate() {
-                match self.at::<ORDER>(surface, kind, level, face, [place(i, 0), t]) {
+                match self.at::<ORDER>(surface, kind, face, [place(i, 0), t]) {
                     Some(found) => found.put::<ORDER>(out, at + k),
                     None => return false,
                 }
@@ -193,7 +178,7 @@ impl Jets {
     /// A row of a triangle: places `us` on a line of constant `v`.
     fn triangle_line<const ORDER: u32>(
         &mut self,
-        (root, below): (TriangleChannel<'_>, Option<&TreeChannel<'_>>),
+        (root, below, kind): (TriangleChannel<'_>, Option<&TreeChannel<'_>>, Kind),
         face: u32,
         (us, v): (impl Iterator<Item = f32>, f32),
         simd: Level,
@@ -201,10 +186,7 @@ impl Jets {
         mut at: usize,
     ) {
         let (mut line, mut count) = ([0.0; BLOCK_STRIDE], 0);
-        let is_refined = |below: &&TreeChannel<'_>| {
-            DescendTriangles::at(*below, 0).is_some_and(|r| r.first_child(face).is_some())
-        };
-        let Some(below) = below.filter(is_refined) else {
+        let Some(below) = below.filter(|b| TriangleEvaluator::is_refined(b, face)) else {
             for (out, u) in line.iter_mut().zip(us) {
                 *out = u;
                 count += 1;
@@ -214,9 +196,8 @@ impl Jets {
         };
         // Of the patch that holds the last places, which wait to be evaluated together.
         let mut waiting: Option<Leaf<TriangleChannel<'_>>> = None;
-        let mut us = us.peekable();
-        while let Some(u) = us.next() {
-            let found = leaf(below, face, u, v, true);
+        for u in us {
+            let found = TriangleEvaluator::leaf(below, face, [u, v], true);
             let found = found.unwrap_or_else(|| whole(root, face, [u, v]));
             let goes_on = waiting.as_ref().is_some_and(|w| {
                 (w.depth, w.quad, w.tip) == (found.depth, found.quad, found.tip)
@@ -227,12 +208,27 @@ impl Jets {
                 at += count;
                 count = 0;
             }
+            if found.open {
+                let site = Site {
+                    kind,
+                    face,
+                    at: [u, v],
+                    scale: 1.0,
+                    depth: 0,
+                    tip: false,
+                };
+                let of = (root, Some(below));
+                below_face::<_, ORDER>(&mut self.triangle, &mut self.ready, of, site)
+                    .put_line(out, at);
+                at += 1;
+                continue;
+            }
             line[count] = found.at[0];
             count += 1;
-            let of = waiting.get_or_insert(found);
-            if us.peek().is_none() {
-                self.put_line::<ORDER>(of, &line[..count], simd, out, at);
-            }
+            waiting.get_or_insert(found);
+        }
+        if let Some(of) = waiting {
+            self.put_line::<ORDER>(&of, &line[..count], simd, out, at);
         }
     }
 
@@ -259,23 +255,19 @@ impl Jets {
     }
 }
 
-/// Derivatives of a surface at places of one level, for who keeps no grids.
+/// Derivatives of a surface at places, for who keeps no grids.
 #[cfg(feature = "gpu")]
 pub(crate) struct PlaceJets<'a> {
     surface: &'a Surface,
-    level: u32,
     points: Jets,
     uvs: Jets,
 }
 
 #[cfg(feature = "gpu")]
 impl<'a> PlaceJets<'a> {
-    /// Of the surface at points of the grids of `level`.
-    pub(crate) fn new(surface: &'a Surface, level: u32) -> Self {
-        surface.ensure(level);
+    pub(crate) fn new(surface: &'a Surface) -> Self {
         Self {
             surface,
-            level,
             points: Jets::default(),
             uvs: Jets::default(),
         }
@@ -284,8 +276,7 @@ impl<'a> PlaceJets<'a> {
     /// By u, by v, by u twice, by u and v, by v twice, at column and row `at` of quad `q`, both from 0 to 1; second ones are zeros where
     /// there are none. None of interpolating surfaces.
     pub(crate) fn points(&mut self, q: u32, at: [f32; 2]) -> Option<[[f32; 3]; 5]> {
-        let of = (Kind::Points, self.level);
-        let found = (self.points).at::<2>(self.surface, of.0, of.1, q, at)?;
+        let found = (self.points).at::<2>(self.surface, Kind::Points, q, at)?;
         let [uu, uv, vv] = found.second;
         Some([found.du, found.dv, uu, uv, vv])
     }
@@ -295,10 +286,68 @@ impl<'a> PlaceJets<'a> {
         let surface = self.surface;
         let found = match surface.has_linear_uvs() {
             true => linear_derivatives(surface, q, surface.triangles, at),
-            false => (self.uvs).at::<1>(surface, Kind::Uvs, self.level, q, at)?,
+            false => (self.uvs).at::<1>(surface, Kind::Uvs, q, at)?,
         };
         Some([found.du, found.dv].map(|[u, v, _]| [u, v]))
     }
+}
+
+/// A place of a face, of the surface or where a tree goes on below one.
+struct Site {
+    kind: Kind,
+    face: u32,
+    at: [f32; 2],
+    /// How much faster the place runs than that of the surface's face.
+    scale: f32,
+    /// Depth of the face among the control levels of the surface.
+    depth: u32,
+    /// Whether it is a corner of the surface's face that is a feature.
+    tip: bool,
+}
+
+/// Derivatives at a place: of the patch that holds it, in levels below the face.
+///
+/// Where levels end before the patch does, they go on for this place alone, so what is found does not depend on how many there are
+/// (`evaluate` does the same).
+fn below_face<'a, P: Pieces, const ORDER: u32>(
+    patches: &mut P,
+    ready: &mut Option<(u32, u32)>,
+    (root, below): (P::Channel<'a>, Option<&'a TreeChannel<'a>>),
+    site: Site,
+) -> Derivatives {
+    let is_whole = site.depth == 0 || site.depth == MAX_LEVEL;
+    let found = below.and_then(|b| P::leaf(b, site.face, site.at, is_whole));
+    let leaf = found.unwrap_or_else(|| whole(root, site.face, site.at));
+    let (scale, tip) = (site.scale * leaf.scale, site.tip || leaf.tip.is_some());
+    let depth = (site.depth + leaf.depth).min(MAX_LEVEL);
+    let ends = depth == MAX_LEVEL && (tip || leaf.value.is_some());
+    if let Some(below) = below.filter(|_| leaf.open && !ends) {
+        let levels = levels_beyond(depth);
+        if let Some((tree, face)) = below.continued(leaf.depth, leaf.quad, levels) {
+            let further = tree.channel(site.kind, levels, None);
+            if let Some(root) = P::root(&further) {
+                let site = Site {
+                    face,
+                    at: leaf.at,
+                    scale,
+                    depth,
+                    tip: tip && depth < MAX_LEVEL,
+                    ..site
+                };
+                // Faces of that tree have numbers of their own.
+                *ready = None;
+                let found = below_face::<P, ORDER>(patches, ready, (root, Some(&further)), site);
+                *ready = None;
+                return found;
+            }
+        }
+    }
+    if *ready != Some((leaf.depth, leaf.quad)) {
+        patches.prepare(leaf.channel, leaf.quad);
+        *ready = Some((leaf.depth, leaf.quad));
+    }
+    let found = patches.at::<ORDER>(leaf.channel, leaf.at[0], leaf.at[1]);
+    derivatives::<ORDER>(found, scale, tip)
 }
 
 /// The face itself is the patch.

@@ -70,3 +70,60 @@ fn normals_are_those_of_the_displaced_surface() {
         assert!(found < 0.05, "{what}: {found} degrees");
     }
 }
+
+#[test]
+fn normals_are_the_same_whatever_was_diced_before_and_at_every_level() {
+    let creased = |deepest: u32| {
+        let mut out: Vec<Surface> = [Scheme::CatmullClark, Scheme::Loop]
+            .map(|scheme| {
+                let cage = torus(8, 6, true, &SurfaceOptions::default()).cage().clone();
+                match scheme {
+                    Scheme::Loop => Surface::new(cage.triangulated(), &by(scheme)),
+                    _ => Surface::new(cage, &by(scheme)),
+                }
+            })
+            .into();
+        let part = common::load(&common::assets().join("part_creased.obj"));
+        out.push(part.objects[0].surface.clone());
+        for surface in &mut out {
+            surface.set_displacement(Some(noise("perlin:frequency=0.9,seed=3").scaled(0.1)));
+            let _ = surface.dice(0, deepest);
+        }
+        out
+    };
+    let bits = |n: [f32; 3]| n.map(f32::to_bits);
+    for (surface, deeper) in creased(0).iter().zip(&creased(7)) {
+        for level in [1, 3] {
+            let (mut differ, mut among, mut compared) = (0, 0, 0);
+            for q in (0..surface.quads().face_count() as u32).step_by(3) {
+                let (a, b) = (surface.dice(q, level), deeper.dice(q, level));
+                differ += a
+                    .points
+                    .iter()
+                    .zip(&b.points)
+                    .filter(|(a, b)| bits(**a) != bits(**b))
+                    .count();
+                differ += a
+                    .normals
+                    .iter()
+                    .zip(&b.normals)
+                    .filter(|(a, b)| bits(**a) != bits(**b))
+                    .count();
+                let fine = deeper.dice(q, level + 1);
+                for k in 0..a.normals.len() {
+                    let (i, j) = (k % a.side, k / a.side);
+                    let other = fine.normals[2 * j * fine.side + 2 * i];
+                    // Folded triangles repeat their diagonal.
+                    among += usize::from(bits(a.normals[k]) != bits(other));
+                    compared += 1;
+                }
+            }
+            println!("level {level}: {differ} and {among} of {compared}");
+            assert!(compared > 100);
+            assert_eq!(differ, 0);
+            if surface.scheme() != Scheme::Loop {
+                assert_eq!(among, 0);
+            }
+        }
+    }
+}

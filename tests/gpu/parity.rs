@@ -1,5 +1,5 @@
 //! Everything at once: small assets at levels 1 to 3, adaptive, displaced; all assets and the reference models at levels 1 to 5 if
-//! EARMARK_THOROUGH is set, which takes a quarter of an hour and more.
+//! EARMARK_THOROUGH is 1, which takes a quarter of an hour and more; or those whose names it is, with commas between.
 
 use crate::pictures::{check, draw, other_triangles};
 use crate::points::{blocks, compare, flat_corners};
@@ -22,6 +22,12 @@ fn models() -> Vec<PathBuf> {
     if let Some(shared) = crate::common::shared().filter(|_| is_thorough()) {
         all.extend(crate::common::models(&shared.join("models")));
     }
+    let wanted = std::env::var("EARMARK_THOROUGH").unwrap_or_default();
+    let wanted: Vec<&str> = wanted
+        .split(',')
+        .filter(|w| !["", "1"].contains(w))
+        .collect();
+    all.retain(|path| wanted.is_empty() || wanted.contains(&&*crate::common::name(path)));
     all
 }
 
@@ -66,24 +72,33 @@ fn everything_is_the_processors() {
                 }
                 let surface = &scene.objects[0].surface;
                 let got = compare(surface, &blocks(&gpu, &scene, level), level);
-                let off = got.angles.iter().filter(|&&a| a > 0.05).count();
+                let off = got.beyond[1];
                 let [d, n] = other_triangles(&gpu, &scene, level);
                 println!(
-                    "parity {name} level {level} displaced {displaced}: {:.1e} of the model, {:.4} degrees, {off} beyond 0.05, {} bare of {}; {d} of {n} samples",
+                    "parity {name} level {level} displaced {displaced}: {:.1e} of the model, {:.4} degrees, {} points and {off} normals beyond the bars, {:?} unexplained, {} bare of {}; {d} of {n} samples",
                     got.distance,
                     got.angle(),
+                    got.beyond[0],
+                    got.unexplained,
                     got.bare,
                     got.points
                 );
-                let odd = flat_corners(surface) + got.points / 5000;
                 let what = format!("{name} at level {level}, displaced: {displaced}");
-                assert!(got.distance <= 2e-6, "{what}: {}", got.distance);
-                // Beside displaced creases up to 0.6 degrees were seen, which is more than it should be.
-                let most = if displaced { 1.0 } else { 0.05 };
-                let far_off = got.angles.iter().filter(|&&a| a > most).count();
+                // At flat corners the device tilts what is displaced, the processor does not; where heights are those of the surface's
+                // curvature it turns about at a point, and normals there are of no direction.
+                let flat = flat_corners(surface);
+                let few = got.points / 2000;
+                let odd = flat + got.points / 50_000;
                 assert!(
-                    far_off <= odd && got.bare <= odd,
-                    "{what}: {far_off} of {odd}"
+                    got.unexplained[0] == 0 && got.unexplained[1] <= odd,
+                    "{what}: rounding does not explain {:?}",
+                    got.unexplained
+                );
+                let [moved, turned_off] = got.beyond;
+                assert!(
+                    moved <= few && turned_off <= flat + few && got.bare <= flat + few,
+                    "{what}: {moved} points, {turned_off} normals, {} bare of {few}",
+                    got.bare
                 );
                 assert!(d * 1000 <= n, "{what}: {d} of {n} samples");
                 far = far.max(got.distance);
@@ -110,5 +125,5 @@ fn everything_is_the_processors() {
     println!(
         "gpu parity: {run} cases, {left_out} left out, {points} points off by at most {far:.1e} of the model, normals by {turned:.4} degrees, {beyond} of them by more than 0.05, {bare} without one; {differ} of {samples} samples show another triangle; adaptive pictures: mean at most {mean:.4}, 99.9th percentile {top}"
     );
-    assert!(run > 30);
+    assert!(run > 30 || is_thorough() && run > 0);
 }

@@ -64,19 +64,8 @@ pub(crate) fn draw(gpu: &Gpu, renderer: &Renderer, scene: &Scene, camera: &Camer
 
 /// What of the golden pictures it refuses, in a word of the message.
 fn refusal(g: &Golden) -> Option<&'static str> {
-    let refused = [
-        (
-            matches!(g.refinement, Refinement::DepthTags(tags) if tags.pattern.is_some()),
-            "patterns",
-        ),
-        (
-            g.asset == "part"
-                && g.refinement == Refinement::Uniform(0)
-                && g.drawing != Drawing::Cage,
-            "other than four corners at level 0",
-        ),
-    ];
-    refused.iter().find(|(is, _)| *is).map(|&(_, what)| what)
+    let has_pattern = matches!(g.refinement, Refinement::DepthTags(tags) if tags.pattern.is_some());
+    has_pattern.then_some("patterns")
 }
 
 #[test]
@@ -298,22 +287,29 @@ fn samples_show_the_processors_triangles() {
 fn colours_of_vertices_are_drawn() {
     let Some(gpu) = gpu("colours") else { return };
     let mut run = 0;
-    for (patches, drawing) in [
-        (PatchKind::None, Drawing::Limit),
-        (PatchKind::None, Drawing::Refined),
-        (PatchKind::None, Drawing::Cage),
-        (PatchKind::Qas, Drawing::Limit),
-        (PatchKind::Pn, Drawing::Limit),
+    let quad = "f 4 3 2 1";
+    let triangles = "f 4 3 2\nf 4 2 1";
+    for (patches, drawing, first, level) in [
+        (PatchKind::None, Drawing::Limit, quad, 3),
+        (PatchKind::None, Drawing::Refined, quad, 3),
+        (PatchKind::None, Drawing::Cage, quad, 3),
+        (PatchKind::Qas, Drawing::Limit, quad, 3),
+        (PatchKind::Pn, Drawing::Limit, quad, 3),
+        (PatchKind::None, Drawing::Limit, triangles, 0),
+        (PatchKind::None, Drawing::Refined, triangles, 0),
+        (PatchKind::None, Drawing::Refined, triangles, 3),
     ] {
-        let scene = colored(SurfaceOptions {
+        let options = SurfaceOptions {
             patches,
             ..SurfaceOptions::default()
-        });
-        let mut renderer = uniform(128, 128, 3);
+        };
+        let scene = colored(options, first);
+        let mut renderer = uniform(128, 128, level);
         renderer.drawing = drawing;
         let want = renderer.render(&scene, &Camera::default()).unwrap().image;
         let got = draw(&gpu, &renderer, &scene, &Camera::default());
-        check(&format!("colours_{patches:?}_{drawing:?}"), &got, &want);
+        let what = format!("colours_{patches:?}_{drawing:?}_{level}_{}", first.len());
+        check(&what, &got, &want);
         // There are colours to be seen.
         assert!(want.data.chunks_exact(4).any(|p| p[0].abs_diff(p[2]) > 60));
         run += 1;
@@ -343,6 +339,9 @@ fn cages_and_control_points_are_drawn() {
         for (drawing, level, mode) in [
             (Drawing::Cage, 0, ShadeMode::Lit),
             (Drawing::Cage, 2, ShadeMode::Uv),
+            (Drawing::Limit, 0, ShadeMode::Lit),
+            (Drawing::Limit, 0, ShadeMode::Uv),
+            (Drawing::Refined, 0, ShadeMode::Normals),
             (Drawing::Refined, 1, ShadeMode::Lit),
             (Drawing::Refined, 3, ShadeMode::Normals),
         ] {
@@ -350,13 +349,38 @@ fn cages_and_control_points_are_drawn() {
             (renderer.drawing, renderer.mode) = (drawing, mode);
             let camera = Camera::default();
             let want = renderer.render(&scene, &camera).unwrap();
+            if scheme == Scheme::Bilinear && drawing != Drawing::Cage && level == 0 {
+                let said = refused_as(&gpu, &renderer, &scene);
+                assert!(said.contains("level 0 of bilinear surfaces"), "{said}");
+                continue;
+            }
             let mut ready = GpuScene::new(&gpu, &renderer, &scene, &camera).unwrap();
             let got = ready.draw().unwrap();
             assert_eq!(got.stats.microtriangles, want.stats.microtriangles);
-            let what = format!("{drawing:?}_{level}_{name}_{scheme:?}");
+            let what = format!("{drawing:?}_{level}_{mode:?}_{name}_{scheme:?}");
             check(&what, &got.image, &want.image);
             run += 1;
         }
+    }
+    // Level 0 of polygons that are patches after it, and that are displaced.
+    for (patches, by) in [
+        (PatchKind::Qas, None),
+        (PatchKind::Pn, None),
+        (PatchKind::None, Some("noise")),
+    ] {
+        let options = SurfaceOptions {
+            patches,
+            ..SurfaceOptions::default()
+        };
+        let mut scene = asset("part", options);
+        let surface = &mut scene.objects[0].surface;
+        surface.set_displacement(by.map(displaced::by));
+        let renderer = uniform(160, 120, 0);
+        let camera = Camera::default();
+        let want = renderer.render(&scene, &camera).unwrap().image;
+        let got = draw(&gpu, &renderer, &scene, &camera);
+        check(&format!("level_0_{patches:?}_{by:?}"), &got, &want);
+        run += 1;
     }
     // Normals that are given, at some corners alone.
     let text = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 1 0 1\nvn -1 0 1\nf 1//1 2//2 3//2 4//1\nv 2 0 1\nf 3 2 5\n";

@@ -102,21 +102,24 @@ fn sides(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         return;
     }
     let jet = evaluate(spot.stencil, spot.index);
-    var n = normal(jet);
     if spot.normal_index == NONE {
-        n = control_point(spot.normal_stencil);
-    } else if spot.normal_stencil != spot.stencil || spot.normal_index != spot.index {
-        n = normal(evaluate(spot.normal_stencil, spot.normal_index));
+        put(at, jet.p, control_point(spot.normal_stencil));
+        return;
     }
+    var own = jet;
+    if spot.normal_stencil != spot.stencil || spot.normal_index != spot.index {
+        own = evaluate(spot.normal_stencil, spot.normal_index);
+    }
+    let n = normal(own);
     if !LIFTED || rise.shape == STILL || lifts[at].held != 0u {
         put(at, jet.p, n);
     } else {
-        put_lifted(at, spot, jet.p, n);
+        put_lifted(at, spot, jet.p, own, n);
     }
 }
 
-// A spot of a displaced surface, from its limit point and normal.
-fn put_lifted(at: u32, spot: Spot, p: vec3<f32>, n: vec3<f32>) {
+// A spot of a displaced surface, from its limit point, and from what says its limit normal.
+fn put_lifted(at: u32, spot: Spot, p: vec3<f32>, own: Jet, n: vec3<f32>) {
     let lift = lifts[at];
     var direction = n;
     if lift.mitre_count > 0u {
@@ -138,7 +141,6 @@ fn put_lifted(at: u32, spot: Spot, p: vec3<f32>, n: vec3<f32>) {
     }
     let uv = uv_at(lift.uv_gather, lift.uv_count, lift.uv_table, stencils[spot.stencil].stride, spot.index);
     let s = height_at(p, uv.uv);
-    let own = evaluate(spot.normal_stencil, spot.normal_index);
     let own_uv = uv_at(lift.own_gather, lift.own_count, lift.own_table, stencils[spot.normal_stencil].stride, spot.normal_index);
     var by = s.by;
     if rise.shape == MAP {
@@ -324,7 +326,7 @@ fn color(face: Face, place: u32) -> vec3<f32> {
     var c = vec3<f32>(0.0);
     for (var k = 0u; k < s.count; k++) {
         let at = face.colors + 3u * gathers[s.gather + k];
-        c += weights[chunk.width * (s.table + k * s.stride + place)] * vec3<f32>(control[at], control[at + 1u], control[at + 2u]);
+        c += weights[chunk.color_width * (s.table + k * s.stride + place)] * vec3<f32>(control[at], control[at + 1u], control[at + 2u]);
     }
     return c;
 }
@@ -354,10 +356,18 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
         }
         let place = ((y << face.shift) * face.row) + (x << face.shift);
         let uv = texture_coordinates(face, place);
+        let n = 1u << face.reach;
+        let side_place = side_of(x, y, n);
+        let is_own = side_place.x == INSIDE && chunk.patches == 0u;
+        let wants_tangents = TILTED && chunk.tangents != 0u && chunk.textured != 0u && face.uv_count > 0u;
+        var jet: Jet;
+        if is_own || wants_tangents {
+            jet = evaluate(face.stencil, place);
+        }
         if chunk.textured != 0u && face.uv_count > 0u {
             uvs[block.base + at] = uv.uv;
-            if TILTED && chunk.tangents != 0u {
-                put_tangents(block.base + at, evaluate(face.stencil, place), uv);
+            if wants_tangents {
+                put_tangents(block.base + at, jet, uv);
             }
         }
         if face.colors > 0u {
@@ -367,8 +377,6 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             colors[k + 1u] = c.y;
             colors[k + 2u] = c.z;
         }
-        let n = 1u << face.reach;
-        let side_place = side_of(x, y, n);
         if side_place.x != INSIDE && (side_place.y == 0u || chunk.patches != QAS) {
             copy(on_side(face, side_place.x, side_place.y, n), block.base + at);
         } else if chunk.patches == PN {
@@ -378,7 +386,6 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             let s = patch_at(face, x, y, n);
             put(block.base + at, s.p, normalize_or_zero(s.n));
         } else {
-            let jet = evaluate(face.stencil, place);
             let m = normal(jet);
             if !LIFTED || rise.shape == STILL {
                 put(block.base + at, jet.p, m);

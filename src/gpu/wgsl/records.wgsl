@@ -48,6 +48,9 @@ struct Chunk {
     textured: u32,
     tangents: u32,
     cut: u32,
+    color_width: u32,
+    padding: u32,
+    more_padding: vec2<u32>,
 }
 
 struct Rise {

@@ -1,5 +1,10 @@
 // Normal and bump maps: the arithmetic of src/shade/relief.rs.
 
+// Half of the step over which slopes of a map of `size` texels are taken, where a pixel is `side` wide.
+fn slope_step(size: vec2<f32>, side: f32) -> vec2<f32> {
+    return min(max(0.5 / size, vec2<f32>(0.5 * side)), vec2<f32>(0.25));
+}
+
 fn bump_at(map: u32, u: f32, v: f32, side: f32) -> f32 {
     return sample_texture(map, vec2<f32>(u, v), side).x;
 }
@@ -25,7 +30,7 @@ fn tilted(material: Material, normal: vec3<f32>, along: vec3<f32>, across: vec3<
     }
     let sizes = textures[map + 1u];
     let size = vec2<f32>(f32(textures[sizes]), f32(textures[sizes + 1u]));
-    let d = min(max(0.5 / size, vec2<f32>(0.5 * side)), vec2<f32>(0.25));
+    let d = slope_step(size, side);
     let slope = vec2<f32>(
         bump_at(map, uv.x + d.x, uv.y, side) - bump_at(map, uv.x - d.x, uv.y, side),
         bump_at(map, uv.x, uv.y + d.y, side) - bump_at(map, uv.x, uv.y - d.y, side)) * (material.bump * 0.5 / d);

@@ -92,7 +92,7 @@ fn color(id: Id, p: vec2<i32>) -> vec3<f32> {
         across = (at.w.x * tangent_at(first, 1u) + at.w.y * tangent_at(at_m, 1u)) + at.w.z * tangent_at(at_c, 1u);
         if rise.per_pixel != 0u {
             let size = vec2<f32>(f32(rise.width), f32(rise.height));
-            let slope = map_slope(uv, min(max(0.5 / size, vec2<f32>(0.5 * side)), vec2<f32>(0.25)));
+            let slope = map_slope(uv, slope_step(size, side));
             n -= along * slope.x + across * slope.y;
         }
     }

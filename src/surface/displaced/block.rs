@@ -194,7 +194,7 @@ impl DisplacedPatch {
         (face, at): (u32, [f32; 2]),
         (position, normal, uv): ([f32; 3], [f32; 3], [f32; 2]),
     ) -> Option<Around> {
-        let found = points.at::<2>(surface, Kind::Points, self.level, face, at)?;
+        let found = points.at::<2>(surface, Kind::Points, face, at)?;
         let by = match self.has_uvs {
             true => self.uv_at(surface, uvs, face, at),
             false => Derivatives::default(),
@@ -212,6 +212,6 @@ impl DisplacedPatch {
         if surface.has_linear_uvs() {
             return linear_derivatives(surface, face, self.triangle, at);
         }
-        (jets.at::<1>(surface, Kind::Uvs, self.level, face, at)).unwrap_or_default()
+        (jets.at::<1>(surface, Kind::Uvs, face, at)).unwrap_or_default()
     }
 }

@@ -30,7 +30,7 @@ impl DisplacedPatch {
             let columns = columns.start as u32..columns.end as u32;
             let at = layout.first(j);
             let row = (part, j as u32, columns.clone());
-            let of = (Kind::Points, self.level);
+            let of = Kind::Points;
             if !own.row::<2>(surface, of, self.face, row.clone(), self.simd, (out, at)) {
                 differences(layout, points, j, out);
             }
@@ -41,7 +41,7 @@ impl DisplacedPatch {
                 let corners = surface.linear_corners(self.face).unwrap_or_default();
                 linear_rows(&corners, self.triangle, row, (by, at));
             } else {
-                let of = (Kind::Uvs, self.level);
+                let of = Kind::Uvs;
                 if !own_uv.row::<1>(surface, of, self.face, row, self.simd, (by, at)) {
                     differences(layout, uvs, j, by);
                 }
