@@ -89,7 +89,7 @@ impl Jets {
         });
         Some(if surface.triangles {
             let root = surface.triangle_channel(kind)?;
-            let at = site([s - t, t]);
+            let at = site([(s - t).max(0.0), t]);
             below_face::<_, ORDER>(&mut self.triangle, ready, (root, below.as_ref()), at)
         } else {
             let root = surface.channel(kind, None)?;

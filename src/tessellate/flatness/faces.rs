@@ -361,7 +361,9 @@ impl<'a, F: Fn(u32, &mut Vec<[f32; 3]>) -> bool> Worker<'a, F> {
         self.surplus
             .grid(self.metric, (log, shape), &mut self.points, &self.normals);
         let last = (1 << depth) - 1;
-        let corners = [[0, 0], [last, 0], [last, last], [0, last]].map(|c| c == place);
+        let mut corners = [[0, 0], [last, 0], [last, last], [0, last]].map(|c| c == place);
+        // The last one of a triangle's square is none of its own.
+        corners[3] &= self.tree.face == Shape::Square;
         levels.clear();
         self.find_hidden(q, (part, shape), levels);
         let sampled = Sampled {
