@@ -360,7 +360,7 @@ pub(super) fn record(
     rank: usize,
     template: SurfacePoint,
 ) {
-    let list = source.list(s.drawn[rank].item - source.first_item);
+    let item = s.drawn[rank].item - source.first_item;
     let TilePlanes {
         visible,
         rows,
@@ -375,7 +375,8 @@ pub(super) fn record(
         attributes: &s.attributes,
         footprint: &s.footprint,
         projected: &s.projected,
-        list,
+        item,
+        list: source.shape(item).list(),
         origin: s.tile.origin(),
     };
     for f in visible.of_rank(rank) {

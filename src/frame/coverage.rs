@@ -2,10 +2,12 @@
 //! number. Tests hold the whole way from dicing to coverage against this, on the very blocks and bins that pictures are made of.
 
 use super::source::SourceScratch;
+use super::spot::Shape;
 use super::{Frame, RenderError, Renderer, Scene, Use};
 use crate::camera::View;
 use crate::raster::{
-    Coverage, Fault, Path, ProjectedBlock, Tile, draw_block_with, draw_list_with, project,
+    Coverage, Fault, Path, ProjectedBlock, Tile, draw_apart_with, draw_block_with, draw_list_with,
+    project,
 };
 use crate::records::Grid3;
 use rayon::prelude::*;
@@ -76,7 +78,7 @@ fn tile_coverage(frame: &Frame<'_>, tile: usize, fault: CoverageFault) -> Signed
     for &item in frame.bins.items(tile) {
         let source = frame.source_of(item);
         let local = item - source.first_item;
-        let [nu, nv] = source.blocks(local);
+        let [nu, nv] = source.blocks();
         let all = (0..nu * nv).map(|b| [b % nu, b / nu]);
         for block in all.filter(|&b| source.has_block(b)) {
             source.dice(&mut scratch, local, block, &mut points, None);
@@ -90,11 +92,14 @@ fn tile_coverage(frame: &Frame<'_>, tile: usize, fault: CoverageFault) -> Signed
             if fault == CoverageFault::MovedCorner && item % 7 == 3 {
                 projected.nudge(0, 0, 1);
             }
-            match source.list(local) {
-                Some(list) => {
+            match source.shape(local) {
+                Shape::Grid => {
+                    draw_block_with(frame.simd, &mut cells, &projected, 0, Path::Auto, rule);
+                }
+                Shape::Apart => draw_apart_with(frame.simd, &mut cells, &projected, 0, rule),
+                Shape::List(list) => {
                     draw_list_with(frame.simd, &mut cells, &projected, list, 0, rule);
                 }
-                None => draw_block_with(frame.simd, &mut cells, &projected, 0, Path::Auto, rule),
             }
         }
     }

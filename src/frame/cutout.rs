@@ -2,7 +2,7 @@
 //! visibility, so it does not depend on the order of drawing.
 
 use super::Frame;
-use super::spot::{Listed, Quad, Spot, draw};
+use super::spot::{Listed, Quad, Shape, Spot, draw};
 use super::tile::Scratch;
 use crate::raster::{Cell, Key, Tile};
 use crate::records::SampleId;
@@ -46,7 +46,7 @@ impl Cell for Layers {
 pub(super) fn draw_cutout(
     frame: &Frame<'_>,
     s: &mut Scratch,
-    list: Option<&[[u16; 3]]>,
+    shape: Shape<'_>,
     map: &Texture,
     rank: u32,
 ) {
@@ -56,14 +56,14 @@ pub(super) fn draw_cutout(
         .layers
         .get_or_insert_with(|| Tile::new(0, 0, 0, 0, samples));
     layers.place(x0, y0, width, height, samples);
-    draw(frame.simd, layers, &s.projected, list, rank);
+    draw(frame.simd, layers, &s.projected, shape, rank);
     for sample in 0..samples {
         for y in 0..height {
             for x in 0..width {
                 for key in layers.cell(x, y, sample).0 {
                     let Some(id) = key.id() else { break };
                     let at = [x0 + x, y0 + y, sample];
-                    let mix = |g: &[f32]| match list {
+                    let mix = |g: &[f32]| match shape.list() {
                         None => Quad::new(&s.projected, id, at, samples).mix(g),
                         Some(list) => Listed::new(&s.projected, list, id, at, samples).mix(g),
                     };

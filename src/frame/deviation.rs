@@ -154,7 +154,7 @@ impl Renderer {
             let mut out = Vec::new();
             for (object, source) in frame.sources.iter().enumerate() {
                 for item in (0..source.item_count()).filter(|&i| source.is_drawn(i)) {
-                    let [nu, nv] = source.blocks(item);
+                    let [nu, nv] = source.blocks();
                     let all = (0..nu * nv).map(|b| [b % nu, b / nu]);
                     for block in all.filter(|&b| source.has_block(b)) {
                         source.dice(&mut scratch, item, block, &mut grid, None);
@@ -203,7 +203,7 @@ impl Worker {
             return found;
         }
         let capped = source.level(local) >= cap;
-        let [nu, nv] = source.blocks(local);
+        let [nu, nv] = source.blocks();
         for block in (0..nu * nv).map(|b| [b % nu, b / nu]) {
             let mut out = Deviation::default();
             let a = Some(&mut self.attributes);
@@ -228,7 +228,7 @@ impl Worker {
                 let [u, v] = cage_place(surface, quad, [u, v]);
                 evaluator.at_as::<Sample>(u, v)
             };
-            if source.list(local).is_some() {
+            if source.shape(local).list().is_some() {
                 // Lists are not measured.
                 continue;
             }

@@ -9,6 +9,7 @@
 //! same for any number of threads. No thread waits for another but at the end of a stage.
 
 mod aov;
+mod cage;
 #[doc(hidden)]
 pub mod coverage;
 mod cutout;
@@ -337,8 +338,13 @@ impl Renderer {
             .flatten()
             .map(|t| t.bytes() + t.tree_bytes);
         let flatness_bytes = flatness_bytes.sum::<usize>() as u64;
-        let (sources, item_count) =
-            Source::all(scene, self.drawing, &levels, tessellations, &mut budget)?;
+        let (sources, item_count) = Source::all(
+            scene,
+            (self.drawing, purpose),
+            &levels,
+            tessellations,
+            &mut budget,
+        )?;
         let microtriangles = sources.iter().map(Source::triangles).sum();
         self.limits.faces(u128::from(microtriangles) / 2)?;
         let wanted = self.wanted(scene, view)?;

@@ -5,7 +5,7 @@
 //! bytes where a pixel has one sample. Everything else goes by [`SurfacePoint`]s.
 
 use super::source::{Attributes, Source};
-use super::spot::{self, Listed, Quad, Spot};
+use super::spot::{self, Listed, Quad, Shape, Spot};
 use super::stats::Stage;
 use super::tile::{Drawn, Scratch};
 use super::visible::Fragment;
@@ -99,7 +99,8 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
     } = s.drawn[rank];
     let source = frame.source_of(item);
     let local = item - source.first_item;
-    let (size, list) = (source.block_size(local), source.list(local));
+    let (size, shape) = (source.block_size(local), source.shape(local));
+    let list = shape.list();
     let lit = frame.shader.mode() == ShadeMode::Lit && frame.wanted.aovs.is_empty();
     let in_part = lit && list.is_none() && !clipped && !s.attributes.wants_uvs;
     let seen = in_part.then(|| seen_rows(s.visible.of_rank(rank)));
@@ -122,7 +123,7 @@ fn shade_block(frame: &Frame<'_>, s: &mut Scratch, rank: usize) {
         footprints(
             &s.projected,
             &s.attributes.uvs,
-            list,
+            shape,
             size,
             &mut s.footprint,
         );
@@ -366,12 +367,14 @@ fn shade_points(
     template: SurfacePoint,
 ) {
     let samples = frame.size.samples;
+    let item = s.drawn[rank].item - source.first_item;
     let block = Shown {
         points: &s.points,
         attributes: &s.attributes,
         footprint: &s.footprint,
         projected: &s.projected,
-        list: source.list(s.drawn[rank].item - source.first_item),
+        item,
+        list: source.shape(item).list(),
         origin: s.tile.origin(),
     };
     s.surface.clear();
@@ -400,6 +403,8 @@ pub(super) struct Shown<'a> {
     pub(super) attributes: &'a Attributes,
     pub(super) footprint: &'a [f32],
     pub(super) projected: &'a ProjectedBlock,
+    /// Of the source.
+    pub(super) item: u32,
     /// Its triangles, where it is no grid.
     pub(super) list: Option<&'a [[u16; 3]]>,
     /// Upper left pixel of the tile.
@@ -417,6 +422,10 @@ impl Shown<'_> {
         template: SurfacePoint,
     ) -> SurfacePoint {
         let (id, samples) = (SampleId(f.id()), frame.size.samples);
+        let template = SurfacePoint {
+            face: source.first_face + source.face_at(self.item, id),
+            ..template
+        };
         let at = [self.origin[0] + f.x(), self.origin[1] + f.y(), f.sample()];
         let block = (self.points, self.attributes, self.footprint);
         match self.list {
@@ -486,16 +495,19 @@ fn relief(source: &Source<'_>, a: &Attributes, spot: &impl Spot, point: &mut Sur
 pub(super) fn footprints(
     block: &ProjectedBlock,
     uvs: &Grid3,
-    list: Option<&[[u16; 3]]>,
+    shape: Shape<'_>,
     size: BlockSize,
     out: &mut Vec<f32>,
 ) {
-    if let Some(list) = list {
+    if let Some(list) = shape.list() {
         return list_footprints(block, uvs, list, size, out);
     }
     out.clear();
     out.resize((size.rows + 1) * BLOCK_STRIDE, 0.0);
-    let step = |k: usize, n: usize| (k.saturating_sub(1), (k + 1).min(n - 1));
+    let step = |k: usize, n: usize| match shape {
+        Shape::Apart => (k & !1, k | 1),
+        Shape::Grid | Shape::List(_) => (k.saturating_sub(1), (k + 1).min(n - 1)),
+    };
     for j in 0..size.rows {
         let (j0, j1) = step(j, size.rows);
         for i in 0..size.cols {

@@ -3,13 +3,15 @@
 //! Items are numbered through all objects of a scene; an item has one or more blocks. This is the one place that knows what an item
 //! is; binning, drawing and shading only count them.
 
+use super::Use;
+use super::cage::{self, Cells};
 use super::leaf::{self, Spare};
 use super::scene::{Object, Scene};
+use super::spot::Shape;
 use crate::dice::FacePatch;
 use crate::dice::face::{Part, Sides};
 use crate::limits::{Budget, LimitError};
-use crate::mesh::NONE;
-use crate::records::{BlockSize, Grid3};
+use crate::records::{BlockSize, Grid3, SampleId};
 use crate::simd::Level;
 use crate::surface::{QuadPatch, RefinedFans, Surface};
 use crate::tessellate::Tessellation;
@@ -27,17 +29,6 @@ pub enum Drawing {
     Cage,
 }
 
-/// Replaces points by the corners of their box, whose hull is larger but quickly cut by the near plane.
-fn box_corners(points: &mut Vec<[f32; 3]>) {
-    let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for p in points.iter() {
-        lo = [0, 1, 2].map(|k| lo[k].min(p[k]));
-        hi = [0, 1, 2].map(|k| hi[k].max(p[k]));
-    }
-    points.clear();
-    points.extend((0..8).map(|c| [0, 1, 2].map(|k| if c >> k & 1 == 0 { lo[k] } else { hi[k] })));
-}
-
 /// One object with its level, ready to give blocks.
 pub(super) struct Source<'a> {
     pub(super) object: &'a Object,
@@ -51,6 +42,8 @@ pub(super) struct Source<'a> {
     pub(super) wants_tangents: bool,
     /// Items are its leaves, not quads.
     pub(super) tessellation: Option<Tessellation>,
+    /// Of a cage that is drawn as it is, its items.
+    pub(super) cells: Vec<Cells>,
 }
 
 /// Buffers of one thread.
@@ -196,15 +189,13 @@ impl Attributes {
 }
 
 /// Corners of a 2×2 grid in the order of a quad's corners.
-const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (1, 1), (0, 1)];
-
-const PAIR: BlockSize = BlockSize { cols: 2, rows: 2 };
+pub(super) const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (1, 1), (0, 1)];
 
 impl<'a> Source<'a> {
     /// Sources of all objects, and the number of items. Surfaces are made ready, within `budget`.
     pub(super) fn all(
         scene: &'a Scene,
-        drawing: Drawing,
+        (drawing, purpose): (Drawing, Use),
         levels: &[u32],
         tessellations: Vec<Option<Tessellation>>,
         budget: &mut Budget<'_>,
@@ -217,6 +208,11 @@ impl<'a> Source<'a> {
             if drawing != Drawing::Cage && tessellation.is_none() {
                 object.surface.try_ensure(quad_level, budget)?;
             }
+            let cells = match drawing {
+                Drawing::Cage => cage::blocks(scene, object, purpose == Use::Lines),
+                _ => Vec::new(),
+            };
+            budget.take("the blocks of the cage", size_of_val(&*cells) as u128, 0)?;
             let refined =
                 (drawing == Drawing::Refined).then(|| object.surface.refined_fans(quad_level));
             let source = Source {
@@ -229,6 +225,7 @@ impl<'a> Source<'a> {
                 wants_tangents: object.surface.has_uvs()
                     && (scene.has_relief() || object.is_shaded_by_map()),
                 tessellation,
+                cells,
             };
             first_item += source.item_count();
             first_face += object.surface.cage().face_count() as u32;
@@ -241,7 +238,7 @@ impl<'a> Source<'a> {
     pub(super) fn item_count(&self) -> u32 {
         match (self.drawing, &self.tessellation) {
             (_, Some(t)) => t.leaves.len() as u32,
-            (Drawing::Cage, _) => self.object.surface.cage().face_count() as u32,
+            (Drawing::Cage, _) => self.cells.len() as u32,
             _ => self.object.surface.quads().face_count() as u32,
         }
     }
@@ -271,20 +268,28 @@ impl<'a> Source<'a> {
             .saturating_sub(u32::from(self.object.surface.is_split()))
     }
 
-    /// Face of the cage that a local item shows.
+    /// Face of the cage that a local item shows, or the first of those; all have the same material.
     pub(super) fn cage_face(&self, item: u32) -> u32 {
         if let Some(t) = &self.tessellation {
             self.object.surface.cage_face(t.leaves[item as usize].quad)
-        } else if self.drawing == Drawing::Cage {
-            item
+        } else if let Some(cells) = self.cells.get(item as usize) {
+            cells.face
         } else {
             self.object.surface.cage_face(item)
         }
     }
 
+    /// Face of the cage that a sample of a local item shows.
+    pub(super) fn face_at(&self, item: u32, id: SampleId) -> u32 {
+        match self.cells.get(item as usize) {
+            Some(cells) => cells.face_at(self.object.surface.cage(), id),
+            None => self.cage_face(item),
+        }
+    }
+
     /// Whether a local item is drawn at all.
     pub(super) fn is_drawn(&self, item: u32) -> bool {
-        if self.tessellation.is_some() {
+        if self.tessellation.is_some() || self.drawing == Drawing::Cage {
             return true;
         }
         let surface = &self.object.surface;
@@ -293,20 +298,14 @@ impl<'a> Source<'a> {
             return false;
         }
         // A polygonal level draws four-sided faces by their first item alone.
-        let quad = self.drawing != Drawing::Cage
-            && self.is_polygonal()
-            && surface.topology().face_halves(face).len() == 4;
+        let quad = self.is_polygonal() && surface.topology().face_halves(face).len() == 4;
         !quad || surface.topology().face_halves(face).start == item
     }
 
-    /// Blocks of a local item along each side; the polygons of a cage are in a row.
-    pub(super) fn blocks(&self, item: u32) -> [u32; 2] {
-        if self.tessellation.is_some() {
+    /// Blocks of an item along each side.
+    pub(super) fn blocks(&self) -> [u32; 2] {
+        if self.tessellation.is_some() || self.drawing == Drawing::Cage {
             return [1, 1];
-        }
-        if self.drawing == Drawing::Cage {
-            let n = self.object.surface.cage().face(item as usize).len() as u32;
-            return [if n == 4 { 1 } else { n - 2 }, 1];
         }
         [FacePatch::blocks_per_side(self.quad_level()); 2]
     }
@@ -316,18 +315,23 @@ impl<'a> Source<'a> {
         self.drawing == Drawing::Cage || !self.object.surface.is_triangular() || bv <= bu
     }
 
-    /// Triangles of an item that is drawn as a list of them and not as a grid, by the indices of their points.
-    pub(super) fn list(&self, item: u32) -> Option<&[[u16; 3]]> {
-        let t = self.tessellation.as_ref()?;
-        let list = t.list(&t.leaves[item as usize])?;
-        Some(&list.triangles)
+    /// What of a block's grid is drawn.
+    pub(super) fn shape(&self, item: u32) -> Shape<'_> {
+        if self.drawing == Drawing::Cage {
+            return Shape::Apart;
+        }
+        let tessellation = self.tessellation.as_ref();
+        match tessellation.and_then(|t| t.list(&t.leaves[item as usize])) {
+            Some(list) => Shape::List(&list.triangles),
+            None => Shape::Grid,
+        }
     }
 
     pub(super) fn block_size(&self, item: u32) -> BlockSize {
         if let Some(t) = &self.tessellation {
             leaf::block_size(t, item)
-        } else if self.drawing == Drawing::Cage {
-            PAIR
+        } else if let Some(cells) = self.cells.get(item as usize) {
+            cells.size()
         } else {
             FacePatch::block_size(self.quad_level())
         }
@@ -354,20 +358,18 @@ impl<'a> Source<'a> {
         if let Some(t) = &self.tessellation {
             return leaf::triangles(t);
         }
+        if self.drawing == Drawing::Cage {
+            let cage = self.object.surface.cage();
+            return self.cells.iter().map(|c| c.triangles(cage)).sum();
+        }
         let per_face = if self.object.surface.is_triangular() {
             1_u64
         } else {
             2
         };
         let per_quad = per_face << (2 * self.quad_level());
-        let count = |item: u32| match self.drawing {
-            Drawing::Cage => self.object.surface.cage().face(item as usize).len() as u64 - 2,
-            _ => per_quad,
-        };
-        (0..self.item_count())
-            .filter(|&i| self.is_drawn(i))
-            .map(count)
-            .sum()
+        let drawn = (0..self.item_count()).filter(|&i| self.is_drawn(i));
+        drawn.count() as u64 * per_quad
     }
 
     /// The quad that a local item shows.
@@ -442,16 +444,8 @@ impl<'a> Source<'a> {
         let surface = &self.object.surface;
         if let Some(t) = &self.tessellation {
             leaf::hull(surface, t, item, scratch, out);
-        } else if self.drawing == Drawing::Cage {
-            let cage = surface.cage();
-            out.extend(
-                cage.face(item as usize)
-                    .iter()
-                    .map(|&v| cage.points[v as usize]),
-            );
-            if out.len() > 64 {
-                box_corners(out);
-            }
+        } else if let Some(cells) = self.cells.get(item as usize) {
+            cells.hull(surface.cage(), out);
         } else if self.is_polygonal() {
             out.extend(self.polygon(item).map(|h| self.corner_point(h)));
         } else {
@@ -469,15 +463,8 @@ impl<'a> Source<'a> {
         out: &mut Vec<[f32; 3]>,
     ) {
         out.clear();
-        if self.drawing == Drawing::Cage {
-            out.extend(
-                self.cage_corners(item, bu)
-                    .map(|(v, _)| self.object.surface.cage().points[v as usize]),
-            );
-        } else {
-            self.prepare(scratch, item, Sides::Points);
-            scratch.patch.block_hull(bu, bv, |p| out.push(p));
-        }
+        self.prepare(scratch, item, Sides::Points);
+        scratch.patch.block_hull(bu, bv, |p| out.push(p));
     }
 
     /// Dices a block: points, and what shading needs where asked for.
@@ -494,8 +481,8 @@ impl<'a> Source<'a> {
             let attributes = attributes.map(|a| (a, self.wants_tangents));
             return leaf::dice(&self.object.surface, t, item, scratch, points, attributes);
         }
-        if self.drawing == Drawing::Cage {
-            return self.dice_cage(item, bu, points, attributes);
+        if let Some(cells) = self.cells.get(item as usize) {
+            return cells.dice(self.object.surface.cage(), points, attributes);
         }
         if self.is_polygonal() {
             return self.dice_polygon(item, points, attributes);
@@ -566,59 +553,6 @@ impl<'a> Source<'a> {
             a.uvs.set(i, j, surface.uv_limit(h).unwrap_or_default());
             a.colors
                 .set(i, j, surface.color_limit(h).unwrap_or_default());
-        }
-    }
-
-    /// Vertex and corner number of the four points of a cage block; triangles repeat their last one.
-    fn cage_corners(&self, item: u32, block: u32) -> [(u32, u32); 4] {
-        let cage = self.object.surface.cage();
-        let first = cage.face_offsets[item as usize];
-        let face = cage.face(item as usize);
-        let corner = |k: u32| (face[k as usize], first + k);
-        if face.len() == 4 {
-            [corner(0), corner(1), corner(2), corner(3)]
-        } else {
-            [
-                corner(0),
-                corner(block + 1),
-                corner(block + 2),
-                corner(block + 2),
-            ]
-        }
-    }
-
-    fn dice_cage(
-        &self,
-        item: u32,
-        block: u32,
-        points: &mut Grid3,
-        attributes: Option<&mut Attributes>,
-    ) {
-        let cage = self.object.surface.cage();
-        let corners = self.cage_corners(item, block);
-        for ((v, _), (i, j)) in corners.iter().zip(CORNERS) {
-            points.set(i, j, cage.points[*v as usize]);
-        }
-        let Some(a) = attributes else { return };
-        a.has_tangents = false;
-        a.has_uvs = a.wants_uvs && !cage.corner_uvs.is_empty();
-        a.has_colors = !cage.colors.is_empty();
-        for ((v, c), (i, j)) in corners.iter().zip(CORNERS) {
-            let normal = match cage.corner_normals.get(*c as usize) {
-                Some(&n) if n != NONE => cage.normals[n as usize],
-                _ => [0.0; 3],
-            };
-            a.normals.set(i, j, normal);
-            let uv = match cage.corner_uvs.get(*c as usize) {
-                Some(&k) if k != NONE => cage.uvs[k as usize],
-                _ => [0.0; 2],
-            };
-            a.uvs.set(i, j, [uv[0], uv[1], 0.0]);
-            a.colors.set(
-                i,
-                j,
-                cage.colors.get(*v as usize).copied().unwrap_or_default(),
-            );
         }
     }
 }

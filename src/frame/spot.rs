@@ -2,22 +2,44 @@
 
 use crate::math;
 use crate::raster::{
-    Cell, ProjectedBlock, Tile, barycentrics, draw_block, draw_list, list_weights,
+    Cell, ProjectedBlock, Tile, barycentrics, draw_apart, draw_block, draw_list, list_weights,
 };
 use crate::records::{BLOCK_STRIDE, Grid3, SampleId};
 use crate::simd::Level;
 
-/// Draws a block as a grid, or the triangles of a list over its points.
+/// What of a block is drawn.
+#[derive(Clone, Copy)]
+pub(super) enum Shape<'a> {
+    /// All of its micro-quads.
+    Grid,
+    /// Every second one in both directions.
+    Apart,
+    /// Triangles, by the indices of their points.
+    List(&'a [[u16; 3]]),
+}
+
+impl<'a> Shape<'a> {
+    /// The triangles, where it is no grid.
+    pub(super) fn list(self) -> Option<&'a [[u16; 3]]> {
+        match self {
+            Self::List(list) => Some(list),
+            Self::Grid | Self::Apart => None,
+        }
+    }
+}
+
+/// Draws a block.
 pub(super) fn draw<C: Cell>(
     simd: Level,
     tile: &mut Tile<C>,
     block: &ProjectedBlock,
-    list: Option<&[[u16; 3]]>,
+    shape: Shape<'_>,
     rank: u32,
 ) {
-    match list {
-        Some(list) => draw_list(simd, tile, block, list, rank),
-        None => draw_block(simd, tile, block, rank),
+    match shape {
+        Shape::Grid => draw_block(simd, tile, block, rank),
+        Shape::Apart => draw_apart(simd, tile, block, rank),
+        Shape::List(list) => draw_list(simd, tile, block, list, rank),
     }
 }
 

@@ -10,7 +10,7 @@ use super::cutout::{Layers, draw_cutout};
 use super::kept::Kept;
 use super::shading::{self, GROUPS, LitGroup, Pixels, footprints};
 use super::source::{Attributes, Source, SourceScratch};
-use super::spot::draw;
+use super::spot::{Shape, draw};
 use super::stats::{Stage, StageTimes};
 use super::visible::Visible;
 use crate::raster::{Key, PairedBlock, PixelBox, ProjectedBlock, Tile, bounds, project};
@@ -173,9 +173,12 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
         for d in &s.drawn {
             let source = frame.source_of(d.item);
             let size = source.block_size(d.item - source.first_item);
-            // Ids of a list say nothing about distances.
-            let listed = source.list(d.item - source.first_item).is_some();
-            s.reach.push(if listed { 0 } else { shading::reach(size) });
+            // Elsewhere ids say nothing about distances.
+            let reach = match source.shape(d.item - source.first_item) {
+                Shape::Grid => shading::reach(size),
+                Shape::Apart | Shape::List(_) => 0,
+            };
+            s.reach.push(reach);
         }
     }
     s.visible
@@ -222,7 +225,7 @@ fn queue(frame: &Frame<'_>, items: &[u32], s: &mut Scratch) -> bool {
     let (mut last, mut leader) = (None, 0);
     for &item in items {
         let source = frame.source_of(item);
-        let [nu, nv] = source.blocks(item - source.first_item);
+        let [nu, nv] = source.blocks();
         let nearest = frame.boxes[item as usize].map_or(0, |b| b.nearest.to_bits());
         s.queue.push(Queued {
             item,
@@ -273,9 +276,9 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
         return;
     }
     let size = source.block_size(local);
-    let list = source.list(local);
+    let shape = source.shape(local);
     let cutout = frame.cutout(source.object.material(source.cage_face(local)));
-    let [nu, nv] = source.blocks(local);
+    let [nu, nv] = source.blocks();
     for bv in 0..nv {
         for bu in (0..nu).filter(|&bu| source.has_block([bu, bv])) {
             let clock = s.times.start();
@@ -332,13 +335,13 @@ fn draw_item(frame: &Frame<'_>, item: u32, rect: [u32; 4], rank: Option<u32>, s:
                     footprints(
                         &s.projected,
                         &s.attributes.uvs,
-                        list,
+                        shape,
                         size,
                         &mut s.footprint,
                     );
-                    draw_cutout(frame, s, list, map, rank);
+                    draw_cutout(frame, s, shape, map, rank);
                 }
-                _ => draw(frame.simd, &mut s.tile, &s.projected, list, rank),
+                _ => draw(frame.simd, &mut s.tile, &s.projected, shape, rank),
             }
             if keeps {
                 s.kept.keep(rank, size, &s.points, &s.attributes);

@@ -4,7 +4,7 @@
 use super::source::Source;
 use super::stats::StageTimes;
 use super::tile::{self, Scratch};
-use super::{Drawing, Frame, FrameStats, RenderError, Renderer, Scene, Use, leaf, level};
+use super::{Frame, FrameStats, RenderError, Renderer, Scene, Use, leaf, level};
 use crate::camera::View;
 use crate::limits::{LimitError, Limits};
 use crate::mesh::NONE;
@@ -156,15 +156,16 @@ impl Source<'_> {
             wired: false,
             triangular: false,
         };
-        if self.drawing == Drawing::Cage {
-            let halves = t.face_halves(item);
+        if let Some(cells) = self.cells.get(item as usize) {
+            // Lines are asked for one by one.
+            let halves = t.face_halves(cells.face);
             let (first, n) = (halves.start, halves.len() as u32);
             if n == 4 {
                 let all = [0, 1, 2, 3].map(|k| first + k);
                 return polygon(all, all);
             }
             // A triangle of the fan around corner 0.
-            let k = block[0];
+            let k = cells.fan;
             let only = |is: bool, h: u32| if is { h } else { NONE };
             let sides = [
                 only(k == 0, first),
@@ -249,7 +250,7 @@ impl Walk<'_> {
             let object = frame.sources.partition_point(|s| s.first_item <= item) - 1;
             let source = &frame.sources[object];
             let local = item - source.first_item;
-            let [nu, nv] = source.blocks(local);
+            let [nu, nv] = source.blocks();
             let all = (0..nu * nv).map(|k| [k % nu, k / nu]);
             for block in all.filter(|&b| source.has_block(b)) {
                 if nu * nv > 1 {
@@ -274,7 +275,7 @@ impl Walk<'_> {
                         object: object as u32,
                         points: &points,
                         size: source.block_size(local),
-                        list: source.list(local),
+                        list: source.shape(local).list(),
                         places,
                         layout: source.layout(local, block),
                     },

@@ -43,16 +43,43 @@ pub fn draw_block_with<C: Cell>(
     fault: Fault,
 ) {
     debug_assert!(rank < SampleId::MAX_BLOCKS);
+    if !touches(tile, block) {
+        return;
+    }
+    let tie = fault.tie();
+    dispatch!(level, block_kernel::<C>(tile, block, rank, 1, path, tie));
+}
+
+/// Draws every second micro-quad of a block in both directions, from the first on.
+pub fn draw_apart<C: Cell>(level: Level, tile: &mut Tile<C>, block: &ProjectedBlock, rank: u32) {
+    draw_apart_with(level, tile, block, rank, Fault::None);
+}
+
+/// [`draw_apart`] with a rule broken, for tests.
+#[doc(hidden)]
+pub fn draw_apart_with<C: Cell>(
+    level: Level,
+    tile: &mut Tile<C>,
+    block: &ProjectedBlock,
+    rank: u32,
+    fault: Fault,
+) {
+    debug_assert!(rank < SampleId::MAX_BLOCKS);
+    if touches(tile, block) {
+        let tie = fault.tie();
+        dispatch!(
+            level,
+            block_kernel::<C>(tile, block, rank, 2, Path::Auto, tie)
+        );
+    }
+}
+
+/// Whether anything of a block may be in the tile.
+fn touches<C: Cell>(tile: &Tile<C>, block: &ProjectedBlock) -> bool {
     let [low, high] = block.bounds();
     let (left, top) = (tile.x0 * 256, tile.y0 * 256);
     let (right, bottom) = (left + tile.width * 256, top + tile.height * 256);
-    if high[0] < left || high[1] < top || low[0] >= right || low[1] >= bottom {
-        return;
-    }
-    dispatch!(
-        level,
-        block_kernel::<C>(tile, block, rank, path, fault.tie())
-    );
+    high[0] >= left && high[1] >= top && low[0] < right && low[1] < bottom
 }
 
 #[inline(always)]
@@ -60,14 +87,16 @@ fn block_kernel<C: Cell>(
     tile: &mut Tile<C>,
     block: &ProjectedBlock,
     rank: u32,
+    step: usize,
     path: Path,
     tie: i32,
 ) {
     let size = block.size;
-    for j in 0..size.rows - 1 {
+    let chosen = if step == 2 { 0x5555 } else { u32::MAX };
+    for j in (0..size.rows - 1).step_by(step) {
         for i0 in (0..size.cols - 1).step_by(LANES) {
             let lanes = (size.cols - 1 - i0).min(LANES);
-            let all = (1_u32 << lanes) - 1;
+            let all = ((1_u32 << lanes) - 1) & chosen;
             let id = SampleId::new(rank, i0 as u32, j as u32, 0).0;
             let clipped = if block.clip {
                 clipped_lanes(block, i0, j) & all
@@ -120,10 +149,7 @@ pub fn draw_list_with<C: Cell>(
     fault: Fault,
 ) {
     assert!(triangles.len() <= LIST, "{} triangles", triangles.len());
-    let [low, high] = block.bounds();
-    let (left, top) = (tile.x0 * 256, tile.y0 * 256);
-    let (right, bottom) = (left + tile.width * 256, top + tile.height * 256);
-    if high[0] < left || high[1] < top || low[0] >= right || low[1] >= bottom {
+    if !touches(tile, block) {
         return;
     }
     let tie = fault.tie();

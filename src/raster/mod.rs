@@ -24,10 +24,10 @@ mod weights;
 
 pub use bin::{Bins, TileGrid};
 #[doc(hidden)]
-pub use draw::{Path, draw_block_with, draw_list_with, draw_triangles_with};
+pub use draw::{Path, draw_apart_with, draw_block_with, draw_list_with, draw_triangles_with};
 pub use draw::{
-    SOUP_CHUNK, SoupVertex, draw_block, draw_list, draw_triangles, project_vertices, soup_id,
-    soup_triangle,
+    SOUP_CHUNK, SoupVertex, draw_apart, draw_block, draw_list, draw_triangles, project_vertices,
+    soup_id, soup_triangle,
 };
 #[doc(hidden)]
 pub use edge::Fault;
