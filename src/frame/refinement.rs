@@ -1,6 +1,6 @@
 //! How far the surfaces of a scene are refined: their levels, and the blocks of those that are cut adaptively.
 
-use super::scene::Scene;
+use super::scene::{Object, Scene};
 use super::source::Drawing;
 use super::{RenderError, Renderer, level};
 use crate::camera::View;
@@ -94,30 +94,30 @@ impl Renderer {
     }
 
     pub(crate) fn levels(&self, scene: &Scene, view: &View) -> Result<Vec<u32>, RenderError> {
-        match self.refinement {
-            Refinement::Uniform(level) if level > crate::dice::MAX_LEVEL => {
-                Err(RenderError::Level { level })
-            }
-            Refinement::Uniform(level) => Ok(vec![level; scene.objects.len()]),
-            Refinement::Adaptive(Flatness { max_level, .. })
-            | Refinement::Default { max_level }
-            | Refinement::ByEdgeLength { max_level } => Ok(scene
-                .objects
-                .iter()
-                .map(|o| {
-                    level::by_edge_length(&o.surface, view, max_level.min(crate::dice::MAX_LEVEL))
-                })
-                .collect()),
-            // Found with the blocks.
-            Refinement::DepthTags(_) if self.drawing == Drawing::Limit => {
-                Ok(vec![0; scene.objects.len()])
-            }
-            Refinement::DepthTags(wanted) => Ok(scene
-                .objects
-                .iter()
-                .map(|o| depth_tags::deepest(&o.surface, &o.tags(view, &wanted)))
-                .collect()),
+        if let Refinement::Uniform(level) = self.refinement
+            && level > crate::dice::MAX_LEVEL
+        {
+            return Err(RenderError::Level { level });
         }
+        let level = |object: &Object| {
+            let surface = &object.surface;
+            match (self.drawing, self.refinement.of(surface)) {
+                (_, Refinement::Uniform(level)) => level,
+                // Polygons have none, and those of blocks are found with them.
+                (Drawing::Cage, _) | (Drawing::Limit, Refinement::DepthTags(_)) => 0,
+                (Drawing::Limit, Refinement::Adaptive(_)) if !surface.has_tables() => 0,
+                (_, Refinement::DepthTags(wanted)) => {
+                    depth_tags::deepest(surface, &object.tags(view, &wanted))
+                }
+                (
+                    _,
+                    Refinement::Adaptive(Flatness { max_level, .. })
+                    | Refinement::Default { max_level }
+                    | Refinement::ByEdgeLength { max_level },
+                ) => level::by_edge_length(surface, view, max_level.min(crate::dice::MAX_LEVEL)),
+            }
+        };
+        Ok(scene.objects.iter().map(level).collect())
     }
 
     /// Adaptive tessellations of the objects that have them, and their deepest levels.
