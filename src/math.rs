@@ -111,6 +111,11 @@ pub(crate) fn round3(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
+/// Corners of a box.
+pub(crate) fn box_corners(low: [f32; 3], high: [f32; 3]) -> impl Iterator<Item = [f32; 3]> {
+    (0..8).map(move |c: u32| [0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] }))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

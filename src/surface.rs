@@ -1,9 +1,11 @@
 //! The subdivision surface of a cage: topology once, points as often as they move.
 
+mod channel_patch;
 mod channels;
 mod diced;
 mod displaced;
 mod export;
+mod hull;
 mod jets;
 mod make;
 mod mesh;
@@ -29,10 +31,11 @@ use make::{given_normals, scheme_of, tagged_tension};
 use mesh::QuadMesh;
 use std::sync::Arc;
 
+pub(crate) use channel_patch::Spline;
 pub use diced::DicedQuad;
 #[cfg(feature = "gpu")]
 pub(crate) use jets::PlaceJets;
-pub(crate) use patch::{QuadPatch, Spline};
+pub(crate) use patch::QuadPatch;
 
 /// How a cage is read as a surface. What is `None` comes from the cage's tags, else from the defaults.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

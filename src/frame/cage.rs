@@ -4,6 +4,7 @@
 use super::scene::{Object, Scene};
 use super::source::{Attributes, CORNERS};
 use crate::Cage;
+use crate::math;
 use crate::mesh::NONE;
 use crate::records::{BlockSize, Grid3, SampleId};
 use crate::shade::SurfaceMaterial;
@@ -194,11 +195,7 @@ impl Cells {
             let points = corners(cage, (self.face, self.fan));
             return out.extend(points.map(|(v, _)| cage.points[v as usize]));
         }
-        let corner = |c: u32, k: usize| match c >> k & 1 {
-            0 => self.low[k],
-            _ => self.high[k],
-        };
-        out.extend((0..8).map(|c| [0, 1, 2].map(|k| corner(c, k))));
+        out.extend(math::box_corners(self.low, self.high));
     }
 
     /// Lays out points, and what shading needs where asked for.

@@ -2,6 +2,7 @@
 
 use super::source::{Attributes, SourceScratch};
 use crate::dice::face::{Part, Sides};
+use crate::math;
 use crate::records::{BLOCK_POINTS, BlockSize, Grid3};
 use crate::surface::Surface;
 use crate::tessellate::{Leaf, List, Move, Tessellation};
@@ -258,7 +259,7 @@ pub(super) fn drawn_box(
         high = [0, 1, 2].map(|k| high[k].max(p[k]));
     }
     scratch.spare.hull = Some(points);
-    out.extend((0..8).map(|c| [0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] })));
+    out.extend(math::box_corners(low, high));
 }
 
 /// Dices a leaf: points, and what shading needs where asked for.

@@ -1,264 +1,34 @@
 //! A quad of a surface with all of its channels, prepared for dicing.
 
+use super::channel_patch::{By, ChannelPatch, Spline, Wanted};
 use super::displaced::{DisplacedPatch, linear_at};
-use super::{PatchCage, RefinedFans, Surface};
-use crate::control::{Fans, Kind};
-use crate::dice::face::{FacePatch, Part, Sides};
-use crate::dice::table::TablePatch;
-use crate::dice::triangle::TrianglePatch;
+use super::{RefinedFans, Surface};
+use crate::control::Kind;
+use crate::dice::face::{Part, Sides};
 use crate::dice::{DiceFault, Target};
-use crate::patch::FacePatches;
 use crate::records::Grid3;
 use crate::simd::Level;
 use std::cell::{Cell, RefCell};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// What dices a face.
-#[derive(Clone, Copy, Debug, Default)]
-enum By {
-    #[default]
-    Quad,
-    Triangle,
-    Table,
-    Patches,
-}
-
-/// A face of one channel: quad or triangle, of an interpolating scheme, or by patches in place of the limit surface.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ChannelPatch {
-    quad: FacePatch,
-    triangle: TrianglePatch,
-    table: TablePatch,
-    patches: FacePatches,
-    by: By,
-}
-
-/// Control points of a face that is one spline.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Spline {
-    /// A bicubic B-spline, row by row.
-    Quad([[[f32; 3]; 4]; 4]),
-    /// A quartic box spline: rows of 3, 4, 3 and 2, the first one beyond side 0, each row's begin one to the right of where the row before
-    /// has a neighbour in the direction of side 2.
-    Triangle([[f32; 3]; 12]),
-}
-
-impl Spline {
-    /// The control points; their hull holds the face.
-    pub(crate) fn points(&self) -> &[[f32; 3]] {
-        match self {
-            Self::Quad(net) => net.as_flattened(),
-            Self::Triangle(net) => net,
-        }
-    }
-}
-
-/// What is asked of a face.
-#[derive(Clone, Copy, Debug)]
-struct Wanted {
-    target: Target,
-    level: u32,
-    sides: Sides,
-}
-
-impl ChannelPatch {
-    pub(super) fn set_simd(&mut self, simd: Level) {
-        self.quad.simd = simd;
-        self.triangle.simd = simd;
-        self.table.simd = simd;
-        self.patches.simd = simd;
-    }
-
-    /// Prepares face `q` of a channel; false when the surface has no such channel.
-    fn prepare(
-        &mut self,
-        surface: &Surface,
-        kind: Kind,
-        q: u32,
-        refined: Option<&RefinedFans>,
-        wanted: Wanted,
-    ) -> bool {
-        let Wanted {
-            target,
-            level,
-            sides,
-        } = wanted;
-        if let Some(tables) = &surface.tables {
-            self.by = By::Table;
-            let Some(channel) = tables.channel(kind, level) else {
-                return false;
-            };
-            self.table.prepare(Arc::clone(channel), q, level, sides);
-            return true;
-        }
-        self.by = match surface.triangles {
-            true => By::Triangle,
-            false => By::Quad,
-        };
-        let below = surface.below(kind, level, refined);
-        if surface.triangles {
-            if let Some(below) = below.as_ref().filter(|_| surface.has(kind)) {
-                self.triangle.prepare_below(below, q, target, level, sides);
-                return true;
-            }
-            return false;
-        }
-        let Some(mut channel) = surface.channel(kind, below.as_ref()) else {
-            return false;
-        };
-        if let Some(Fans::Quads(_, fans)) = refined.and_then(|r| r.0.first()) {
-            channel.fans = fans;
-        }
-        self.quad.prepare(channel, q, target, level, sides);
-        true
-    }
-
-    /// Prepares the patches of face `q`; false when the limit surface itself is wanted.
-    fn prepare_patches(&mut self, surface: &Surface, q: u32, level: u32, sides: Sides) -> bool {
-        match &surface.patches {
-            None => return false,
-            Some(PatchCage::Pn(cage)) => {
-                let split = surface.is_split();
-                let (t, points) = (&surface.mesh.base, &surface.cage.points);
-                self.patches.take(cage, t, points, q, split, level);
-            }
-            Some(PatchCage::Qas) => {
-                let wanted = Wanted {
-                    target: Target::Limit,
-                    level: 1,
-                    sides: sides.max(Sides::Points),
-                };
-                self.prepare(surface, Kind::Points, q, None, wanted);
-                let mut samples = self.patches.samples.take().unwrap_or_default();
-                let normals = (sides == Sides::Normals).then_some(&mut *samples.normals);
-                self.dice(0, 0, &mut samples.points, normals);
-                self.patches.samples = Some(samples);
-                self.patches.fit(surface.triangles, level);
-            }
-        }
-        self.by = By::Patches;
-        true
-    }
-
-    fn dice_part(&self, part: Part, points: &mut Grid3, normals: Option<&mut Grid3>) {
-        match self.by {
-            By::Quad => self.quad.dice_part(part, points, normals),
-            By::Triangle => self.triangle.dice_part(part, points, normals),
-            By::Table => self.table.dice_part(part, points, normals),
-            By::Patches => self.patches.dice_part(part, points, normals),
-        }
-    }
-
-    fn side(&self, c: usize, points: &mut Vec<[f32; 3]>, normals: &mut Vec<[f32; 3]>) {
-        match self.by {
-            By::Quad => self.quad.side(c, points, normals),
-            By::Triangle => self.triangle.side(c, points, normals),
-            By::Table => self.table.side(c, points, normals),
-            By::Patches => self.patches.side(c, points, normals),
-        }
-    }
-
-    fn part_hull(&self, part: Part, out: impl FnMut([f32; 3])) {
-        match self.by {
-            By::Quad => self.quad.part_hull(part, out),
-            By::Triangle => self.triangle.part_hull(part, out),
-            By::Table => self.table.part_hull(part, out),
-            By::Patches => self.patches.part_hull(part, out),
-        }
-    }
-
-    fn dice(&self, bu: u32, bv: u32, points: &mut Grid3, normals: Option<&mut Grid3>) {
-        match self.by {
-            By::Quad => self.quad.dice(bu, bv, points, normals),
-            By::Triangle => self.triangle.dice(bu, bv, points, normals),
-            By::Table => self.table.dice(bu, bv, points, normals),
-            By::Patches => self.patches.dice(bu, bv, points, normals),
-        }
-    }
-
-    fn dice_rows(
-        &self,
-        [bu, bv]: [u32; 2],
-        rows: [u32; 2],
-        points: &mut Grid3,
-        normals: &mut Grid3,
-    ) {
-        match self.by {
-            By::Quad => self.quad.dice_rows([bu, bv], rows, points, normals),
-            _ => self.dice(bu, bv, points, Some(normals)),
-        }
-    }
-
-    fn spline(&self) -> Option<Spline> {
-        match self.by {
-            By::Quad => self.quad.spline().map(Spline::Quad),
-            By::Triangle => self.triangle.spline().map(Spline::Triangle),
-            By::Table | By::Patches => None,
-        }
-    }
-
-    /// Prepares a face for [`ChannelPatch::side_samples`].
-    pub(super) fn prepare_side(
-        &mut self,
-        surface: &Surface,
-        kind: Kind,
-        q: u32,
-        level: u32,
-        sides: Sides,
-    ) {
-        let wanted = Wanted {
-            target: Target::Limit,
-            level,
-            sides,
-        };
-        self.prepare(surface, kind, q, None, wanted);
-    }
-
-    /// Points and normals along side `c`, ends included, at the level that was prepared.
-    pub(super) fn side_samples(&self, c: usize) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
-        let (mut points, mut normals) = (Vec::new(), Vec::new());
-        self.side(c, &mut points, &mut normals);
-        (points, normals)
-    }
-
-    fn hull(&self, out: impl FnMut([f32; 3])) {
-        match self.by {
-            By::Quad => self.quad.hull(out),
-            By::Triangle => self.triangle.hull(out),
-            By::Table => self.table.hull(out),
-            By::Patches => self.patches.hull(out),
-        }
-    }
-
-    fn block_hull(&self, bu: u32, bv: u32, out: impl FnMut([f32; 3])) {
-        match self.by {
-            By::Quad => self.quad.block_hull(bu, bv, out),
-            By::Triangle => self.triangle.block_hull(bu, bv, out),
-            By::Table => self.table.block_hull(bu, bv, out),
-            By::Patches => self.patches.block_hull(bu, bv, out),
-        }
-    }
-}
 
 /// A quad of a surface prepared for dicing: its points and its texture coordinates.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct QuadPatch {
-    points: ChannelPatch,
-    uvs: ChannelPatch,
+    pub(super) points: ChannelPatch,
+    pub(super) uvs: ChannelPatch,
     colors: ChannelPatch,
     triangle: bool,
     uv_ready: bool,
     color_ready: bool,
-    linear: Option<[[f32; 3]; 4]>,
+    pub(super) linear: Option<[[f32; 3]; 4]>,
     level: u32,
     face: u32,
     simd: Option<Level>,
     /// Made with the first displaced face.
-    displaced: RefCell<Option<Box<DisplacedPatch>>>,
+    pub(super) displaced: RefCell<Option<Box<DisplacedPatch>>>,
     is_displaced: bool,
     /// How far it reaches beyond hulls.
-    reach: f32,
+    pub(super) reach: f32,
     /// Time spent displacing since it was taken last, if that is measured.
     pub(crate) clock: Cell<Option<Duration>>,
 }
@@ -632,119 +402,5 @@ impl QuadPatch {
             (true, None) => self.uvs.side_samples(c).0,
         };
         displaced.displace_side(surface, c, points, normals, &uvs);
-    }
-
-    /// Corners of a box that holds a part wherever it is displaced, which must be prepared for that.
-    pub(crate) fn displaced_hull(
-        &self,
-        surface: &Surface,
-        part: Part,
-        mut out: impl FnMut([f32; 3]),
-    ) {
-        let [mut low, mut high] = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-        self.points.part_hull(part, |p| {
-            low = [0, 1, 2].map(|k| low[k].min(p[k]));
-            high = [0, 1, 2].map(|k| high[k].max(p[k]));
-        });
-        let far = [[-self.reach; 3], [self.reach; 3]];
-        let [down, up] = self.moves(surface, part).unwrap_or(far);
-        let slack = 1e-4 * self.reach;
-        low = [0, 1, 2].map(|k| low[k] + down[k] - slack);
-        high = [0, 1, 2].map(|k| high[k] + up[k] + slack);
-        for c in 0..8 {
-            out([0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] }));
-        }
-    }
-
-    /// Bounds of the vectors by which the points of a part move, if more is known than how long they are at most.
-    fn moves(&self, surface: &Surface, part: Part) -> Option<[[f32; 3]; 2]> {
-        let displacement = surface.displacement()?;
-        let kept = self.displaced.borrow();
-        let patch = kept.as_deref()?;
-        let elsewhere = patch.plain_corners(surface, part)?;
-        let normals = match self.points.by {
-            By::Triangle => self.points.triangle.part_normals(part)?,
-            By::Quad | By::Table | By::Patches => return None,
-        };
-        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-        let mut hold = |uv: [f32; 3]| {
-            low = [0, 1].map(|k| low[k].min(uv[k]));
-            high = [0, 1].map(|k| high[k].max(uv[k]));
-        };
-        if patch.reads_uvs() {
-            match &self.linear {
-                Some(of) => of.iter().for_each(|&uv| hold(uv)),
-                None => self.uvs.part_hull(part, &mut hold),
-            }
-            elsewhere.into_iter().for_each(hold);
-        }
-        let heights = displacement.heights_in([low, high])?;
-        let mut out = [[0.0; 3]; 2];
-        for k in 0..3 {
-            let all = [0, 1, 2, 3].map(|c| heights[c & 1] * normals[c >> 1][k]);
-            out[0][k] = all[1..].iter().fold(all[0], |x, &y| x.min(y));
-            out[1][k] = all[1..].iter().fold(all[0], |x, &y| x.max(y));
-        }
-        Some(out)
-    }
-
-    /// Points whose convex hull holds a part.
-    pub(crate) fn part_hull(&self, part: Part, mut out: impl FnMut([f32; 3])) {
-        let mut hull = Hull::new(self.reach);
-        self.points.part_hull(part, |p| hull.add(p, &mut out));
-        hull.finish(&mut out);
-    }
-
-    /// The same of the whole quad.
-    pub(crate) fn hull(&self, mut out: impl FnMut([f32; 3])) {
-        let mut hull = Hull::new(self.reach);
-        self.points.hull(|p| hull.add(p, &mut out));
-        hull.finish(&mut out);
-    }
-    /// The same of a block.
-    pub(crate) fn block_hull(&self, bu: u32, bv: u32, mut out: impl FnMut([f32; 3])) {
-        let mut hull = Hull::new(self.reach);
-        self.points.block_hull(bu, bv, |p| hull.add(p, &mut out));
-        hull.finish(&mut out);
-    }
-}
-
-/// Points of a hull as they are, or of displaced ones the corners of their box, grown by as far as points move.
-struct Hull {
-    reach: f32,
-    low: [f32; 3],
-    high: [f32; 3],
-}
-
-impl Hull {
-    fn new(reach: f32) -> Self {
-        Self {
-            reach,
-            low: [f32::INFINITY; 3],
-            high: [f32::NEG_INFINITY; 3],
-        }
-    }
-
-    fn add(&mut self, p: [f32; 3], out: &mut impl FnMut([f32; 3])) {
-        if self.reach == 0.0 {
-            return out(p);
-        }
-        self.low = [0, 1, 2].map(|k| self.low[k].min(p[k] - self.reach));
-        self.high = [0, 1, 2].map(|k| self.high[k].max(p[k] + self.reach));
-    }
-
-    fn finish(&self, out: &mut impl FnMut([f32; 3])) {
-        if self.reach == 0.0 || self.low[0] > self.high[0] {
-            return;
-        }
-        for c in 0..8 {
-            out([0, 1, 2].map(|k| {
-                if c >> k & 1 == 0 {
-                    self.low[k]
-                } else {
-                    self.high[k]
-                }
-            }));
-        }
     }
 }

@@ -4,6 +4,7 @@ use super::super::face::{DiceFault, FacePatch, Part, Sides};
 use super::super::regular::{LINE, Line, unit_cross};
 use super::{Controls, Place, Rows, Table, weigh};
 use crate::dispatch;
+use crate::math;
 use crate::records::Grid3;
 use crate::simd::Level;
 use crate::topology::{NONE, Topology};
@@ -256,7 +257,7 @@ impl TablePatch {
     }
 
     /// Interpolating surfaces leave the hull of their control points: only the points themselves tell where they are.
-    fn boxed(&self, parts: impl Iterator<Item = Part>, mut out: impl FnMut([f32; 3])) {
+    fn boxed(&self, parts: impl Iterator<Item = Part>, out: impl FnMut([f32; 3])) {
         let triangular = self.is_triangular();
         let mut grid = Grid3::boxed();
         let patch = Self {
@@ -276,9 +277,7 @@ impl TablePatch {
                 }
             }
         }
-        for c in 0..8 {
-            out([0, 1, 2].map(|k| if c >> k & 1 == 0 { low[k] } else { high[k] }));
-        }
+        math::box_corners(low, high).for_each(out);
     }
 }
 

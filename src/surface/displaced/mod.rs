@@ -17,8 +17,8 @@ pub(super) use derivatives::linear_derivatives;
 pub(crate) use owners::Displaced;
 
 use super::Surface;
+use super::channel_patch::ChannelPatch;
 use super::jets::Jets;
-use super::patch::ChannelPatch;
 use crate::dice::face::Sides;
 use crate::displace::{self, Heights, Limit};
 use crate::records::Grid3;

@@ -7,6 +7,7 @@ use super::screen::Metric;
 use super::surplus::{Square as Sampled, Surplus};
 use crate::dice::face::{Part as Square, Sides};
 use crate::limits::{LimitError, Limits};
+use crate::math;
 use crate::records::{BlockSize, Grid3};
 use crate::simd::Level;
 use crate::surface::{QuadPatch, Spline, Surface};
@@ -126,11 +127,10 @@ fn table_box(patch: &QuadPatch, reach: u32, out: &mut Vec<[f32; 3]>) {
         high = [0, 1, 2].map(|k| high[k].max(p[k]));
     });
     let room = [0, 1, 2].map(|k| ROOM * (high[k] - low[k]));
-    let corner = |c: u32, k: usize| match c >> k & 1 {
-        0 => low[k] - room[k],
-        _ => high[k] + room[k],
-    };
-    out.extend((0..8).map(|c| [0, 1, 2].map(|k| corner(c, k))));
+    out.extend(math::box_corners(
+        math::sub(low, room),
+        math::add(high, room),
+    ));
 }
 
 /// What is known of a face that may be seen before it is sampled.
