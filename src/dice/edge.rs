@@ -105,34 +105,28 @@ impl<'a> GridLine<'a> {
     }
 }
 
+/// The first `n` values, to places of a column from index `first` on.
+#[inline(always)]
+fn scatter<const W: usize>(column: [&mut [f32]; 3], first: usize, n: usize, values: &Lanes3<W>) {
+    let last = first + (n - 1) * BLOCK_STRIDE;
+    let [x, y, z] = column.map(|c| &mut c[first..=last]);
+    for i in 0..n {
+        x[i * BLOCK_STRIDE] = values.0[0][i];
+        y[i * BLOCK_STRIDE] = values.0[1][i];
+        z[i * BLOCK_STRIDE] = values.0[2][i];
+    }
+}
+
 impl Put for GridLine<'_> {
     #[inline(always)]
     fn put<const W: usize>(&mut self, at: usize, n: usize, values: &Lanes3<W>) {
         let first = self.first + at * self.step;
         let Grid3 { x, y, z } = &mut *self.grid;
-        if self.step > 1 && n == W {
-            let last = first + (W - 1) * BLOCK_STRIDE;
-            let (x, y, z) = (
-                &mut x[first..=last],
-                &mut y[first..=last],
-                &mut z[first..=last],
-            );
-            for i in 0..W {
-                x[i * BLOCK_STRIDE] = values.0[0][i];
-                y[i * BLOCK_STRIDE] = values.0[1][i];
-                z[i * BLOCK_STRIDE] = values.0[2][i];
-            }
-        } else if self.step > 1 {
-            let last = first + (n - 1) * BLOCK_STRIDE;
-            let (x, y, z) = (
-                &mut x[first..=last],
-                &mut y[first..=last],
-                &mut z[first..=last],
-            );
-            for i in 0..n {
-                x[i * BLOCK_STRIDE] = values.0[0][i];
-                y[i * BLOCK_STRIDE] = values.0[1][i];
-                z[i * BLOCK_STRIDE] = values.0[2][i];
+        if self.step > 1 {
+            // A number that is known makes lanes of it.
+            match n == W {
+                true => scatter([x, y, z], first, W, values),
+                false => scatter([x, y, z], first, n, values),
             }
         } else if n == W {
             x[first..first + W].copy_from_slice(&values.0[0]);
