@@ -3,6 +3,8 @@
 //! Every case is made here, in memory or in a folder that goes away. What is never allowed, whatever the case: a panic, an error
 //! without a message, a wrong line, control characters or much text in a message.
 
+#[path = "common/folder.rs"]
+mod folder;
 #[path = "input/folders.rs"]
 mod folders;
 #[path = "input/materials.rs"]

@@ -1,6 +1,8 @@
 //! The OBJ reader against variants of the same text, against itself under other cuts, against another reader, and against the
 //! standard library's numbers; and the files that it and others read and write.
 
+#[path = "common/folder.rs"]
+mod folder;
 #[path = "reader/paths.rs"]
 mod paths;
 #[path = "reader/variants.rs"]

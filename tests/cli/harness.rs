@@ -1,9 +1,12 @@
 //! Running the program, and folders that go away.
 
+#[path = "../common/folder.rs"]
+mod folder;
+
+pub(crate) use folder::Folder;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The program in a plain environment.
 pub(crate) fn earmark() -> Command {
@@ -73,46 +76,4 @@ pub(crate) fn asset(name: &str) -> PathBuf {
 
 pub(crate) fn kept(path: &Path) -> String {
     fs::read_to_string(path).unwrap()
-}
-
-/// A folder of its own for one test.
-pub(crate) struct Folder(PathBuf);
-
-impl Folder {
-    pub(crate) fn new(name: &str) -> Self {
-        static NEXT: AtomicU32 = AtomicU32::new(0);
-        let n = NEXT.fetch_add(1, Ordering::Relaxed);
-        let path = std::env::temp_dir().join(format!("earmark-{name}-{}-{n}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-    /// One with a copy of every asset.
-    pub(crate) fn with_assets(name: &str) -> Self {
-        let folder = Self::new(name);
-        for entry in fs::read_dir(asset("")).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_file() {
-                fs::copy(&path, folder.0.join(path.file_name().unwrap())).unwrap();
-            }
-        }
-        folder
-    }
-    pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-    /// What is in it, hidden files too.
-    pub(crate) fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.0).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }

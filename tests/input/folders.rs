@@ -1,35 +1,22 @@
 //! Names of other files, and files that are none.
 
+use super::folder::Folder;
 use super::{V, printed, run};
 use earmark::files::{self, FileErrorKind, FolderResolver};
 use earmark::mesh::{ResolveError, Resolver, WarningKind};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// A folder that goes away with this value.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("earmark-input-{}-{name}", std::process::id()));
-        fs::create_dir_all(path.join("models/sub")).unwrap();
-        Self(fs::canonicalize(path).unwrap())
-    }
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+/// A folder with one of models in it, and one in that.
+fn models(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    fs::create_dir_all(folder.path("models/sub")).unwrap();
+    folder
 }
 
 #[test]
 fn names_of_other_files_stay_in_the_folder() {
-    let folder = Folder::new("names");
+    let folder = models("names");
     fs::write(folder.path("secret.mtl"), b"newmtl m\nKd 1 0 0\n").unwrap();
     fs::write(folder.path("models/sub/in.mtl"), b"newmtl m\nKd 0 1 0\n").unwrap();
     fs::write(folder.path("models/big.mtl"), vec![b'#'; 100]).unwrap();
@@ -91,7 +78,7 @@ fn names_of_other_files_stay_in_the_folder() {
 
 #[test]
 fn models_are_regular_files() {
-    let folder = Folder::new("models");
+    let folder = models("models");
     let missing = files::read_model(&folder.path("none.obj"), 1000).unwrap_err();
     assert!(
         missing
@@ -121,13 +108,13 @@ fn models_are_regular_files() {
 #[test]
 fn links_pipes_and_devices() {
     use std::os::unix::fs::symlink;
-    let folder = Folder::new("links");
+    let folder = models("links");
     fs::write(folder.path("secret.mtl"), b"newmtl m\n").unwrap();
     fs::write(folder.path("models/in.mtl"), b"newmtl m\n").unwrap();
     symlink(folder.path("secret.mtl"), folder.path("models/out.mtl")).unwrap();
     symlink("../secret.mtl", folder.path("models/relative.mtl")).unwrap();
     symlink("in.mtl", folder.path("models/inside.mtl")).unwrap();
-    symlink(&folder.0, folder.path("models/up")).unwrap();
+    symlink(folder.root(), folder.path("models/up")).unwrap();
     symlink("/dev/zero", folder.path("models/zero.mtl")).unwrap();
     symlink("loop.mtl", folder.path("models/loop.mtl")).unwrap();
     let socket = std::os::unix::net::UnixListener::bind(folder.path("models/s.mtl"));

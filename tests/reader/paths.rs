@@ -1,39 +1,11 @@
 //! Files that are read and written.
 
+use super::folder::Folder;
 use earmark::files::{self, AtomicFile, FileErrorKind, FolderResolver};
 use earmark::mesh::{ResolveError, Resolver};
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
-
-/// A folder that goes away with this value.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("earmark-reader-{}-{name}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-    fn names(&self) -> Vec<String> {
-        let mut names: Vec<_> = fs::read_dir(&self.0)
-            .unwrap()
-            .map(|e| e.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+use std::path::Path;
 
 #[test]
 fn outputs_appear_whole_or_not_at_all() {
@@ -155,7 +127,7 @@ fn streams_and_files_keep_their_limits() {
         &folder.path("a"),
         &folder
             .path("../")
-            .join(folder.0.file_name().unwrap())
+            .join(folder.root().file_name().unwrap())
             .join("a")
     ));
     assert!(!files::same_file(&folder.path("a"), &folder.path("b")));
@@ -175,7 +147,7 @@ fn the_reach_of_a_model_can_be_widened() {
         narrow.read("../textures/a.png", 10),
         Err(ResolveError::Refused(_))
     ));
-    let mut wide = narrow.with_root(&folder.0).unwrap();
+    let mut wide = narrow.with_root(folder.root()).unwrap();
     assert_eq!(wide.read("..\\textures\\a.png", 10).unwrap(), b"a");
     assert!(matches!(
         wide.read("../../a.png", 10),
