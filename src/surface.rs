@@ -10,6 +10,7 @@ mod jets;
 mod make;
 mod mesh;
 mod patch;
+mod polygons;
 
 use crate::control::tables::TableTree;
 use crate::control::{ControlTree, Fans, Kind};

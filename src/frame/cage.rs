@@ -5,7 +5,7 @@ use super::scene::{Object, Scene};
 use super::source::{Attributes, CORNERS};
 use crate::Cage;
 use crate::math;
-use crate::mesh::NONE;
+use crate::mesh::{NONE, fan_corners};
 use crate::records::{BlockSize, Grid3, SampleId};
 use crate::shade::SurfaceMaterial;
 use rayon::prelude::*;
@@ -52,11 +52,7 @@ fn cells_of(cage: &Cage, face: u32) -> u32 {
 fn corners(cage: &Cage, (face, fan): Cell) -> [(u32, u32); 4] {
     let first = cage.face_offsets[face as usize];
     let vertices = cage.face(face as usize);
-    let corner = |k: u32| (vertices[k as usize], first + k);
-    match vertices.len() {
-        4 => [corner(0), corner(1), corner(2), corner(3)],
-        _ => [corner(0), corner(fan + 1), corner(fan + 2), corner(fan + 2)],
-    }
+    fan_corners(vertices.len(), fan).map(|k| (vertices[k as usize], first + k))
 }
 
 /// Columns and rows of cells in a grid, of their first corners.

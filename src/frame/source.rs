@@ -257,9 +257,8 @@ impl<'a> Source<'a> {
     /// Level 0 of a cage with n-gons: its polygons with limit points at the corners.
     pub(super) fn is_polygonal(&self) -> bool {
         self.tessellation.is_none()
-            && self.level == 0
-            && self.object.surface.is_split()
-            && self.object.surface.displacement().is_none()
+            && self.drawing != Drawing::Cage
+            && self.object.surface.is_polygonal(self.level)
     }
 
     /// Level of the quads.
@@ -293,13 +292,10 @@ impl<'a> Source<'a> {
             return true;
         }
         let surface = &self.object.surface;
-        let face = self.cage_face(item);
-        if surface.topology().is_hole(face) {
+        if surface.topology().is_hole(self.cage_face(item)) {
             return false;
         }
-        // A polygonal level draws four-sided faces by their first item alone.
-        let quad = self.is_polygonal() && surface.topology().face_halves(face).len() == 4;
-        !quad || surface.topology().face_halves(face).start == item
+        !self.is_polygonal() || surface.stands_for_face(item)
     }
 
     /// Blocks of an item along each side.
@@ -447,7 +443,7 @@ impl<'a> Source<'a> {
         } else if let Some(cells) = self.cells.get(item as usize) {
             cells.hull(surface.cage(), out);
         } else if self.is_polygonal() {
-            out.extend(self.polygon(item).map(|h| self.corner_point(h)));
+            out.extend(surface.polygon_block(item).map(|h| self.corner_point(h)));
         } else {
             self.prepare(scratch, item, Sides::Hull);
             scratch.patch.hull(|p| out.push(p));
@@ -519,18 +515,6 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Corners of the quad mesh that span a polygonal item: those of a quad, or one sector of an n-gon with its centre.
-    fn polygon(&self, item: u32) -> [u32; 4] {
-        let base = self.object.surface.topology();
-        let next = base.next(item);
-        if base.face_halves(base.face_of(item)).len() == 4 {
-            let third = base.next(next);
-            return [item, next, third, base.next(third)].map(|h| 4 * h);
-        }
-        let centre = 4 * item + 2;
-        [4 * item, 4 * next, centre, centre]
-    }
-
     fn corner_point(&self, h: u32) -> [f32; 3] {
         let surface = &self.object.surface;
         let of_fan = |fans: &RefinedFans| fans.point(surface.quads().fan(h));
@@ -540,7 +524,7 @@ impl<'a> Source<'a> {
 
     fn dice_polygon(&self, item: u32, points: &mut Grid3, attributes: Option<&mut Attributes>) {
         let surface = &self.object.surface;
-        let corners = self.polygon(item);
+        let corners = surface.polygon_block(item);
         for (&h, (i, j)) in corners.iter().zip(CORNERS) {
             points.set(i, j, self.corner_point(h));
         }

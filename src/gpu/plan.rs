@@ -9,7 +9,6 @@ use crate::frame::{Drawing, Object, Renderer, Scene, leaf_triangles};
 use crate::limits::Budget;
 use crate::patch::PatchKind;
 use crate::scheme::Scheme;
-use crate::surface::Surface;
 use crate::tessellate::Tessellation;
 use crate::topology::NONE;
 
@@ -169,26 +168,15 @@ fn drawn_quads<'a>(scene: &'a Scene, object: &'a Object) -> impl Iterator<Item =
     quads.filter(move |&q| scene.is_drawn(object, surface.cage_face(q)))
 }
 
-/// Whether a level is drawn as polygons between limit points.
-fn is_polygonal(surface: &Surface, level: u32) -> bool {
-    level == 0 && surface.is_split() && surface.displacement().is_none()
-}
-
-/// Whether a quad of a polygonal level is drawn: the first alone of a face of four corners.
-fn stands_for_face(surface: &Surface, quad: u32) -> bool {
-    let corners = surface.topology().face_halves(surface.cage_face(quad));
-    corners.len() != 4 || corners.start == quad
-}
-
 fn uniform_extent(scene: &Scene, object: &Object, level: u32) -> Result<Extent, GpuError> {
     let surface = &object.surface;
-    if is_polygonal(surface, level) {
+    if surface.is_polygonal(level) {
         if surface.scheme() == Scheme::Bilinear {
             return Err(GpuError::Unsupported {
                 what: "polygons of other than four corners at level 0 of bilinear surfaces",
             });
         }
-        let blocks = drawn_quads(scene, object).filter(|&q| stands_for_face(surface, q));
+        let blocks = drawn_quads(scene, object).filter(|&q| surface.stands_for_face(q));
         let blocks = blocks.count() as u64;
         return Ok(Extent {
             quads: surface.quads().face_count() as u64,
@@ -218,14 +206,14 @@ fn uniform(scene: &Scene, object: &Object, level: u32) -> ObjectPlan {
     let quad_level = level.saturating_sub(u32::from(surface.is_split()));
     let mut plan = ObjectPlan {
         reach: vec![NONE; surface.quads().face_count()],
-        polygonal: is_polygonal(surface, level),
+        polygonal: surface.is_polygonal(level),
         ..ObjectPlan::default()
     };
     let blocks = FacePatch::blocks_per_side(quad_level);
     let log = quad_level.min(BLOCK_BITS);
     for quad in drawn_quads(scene, object) {
         plan.reach[quad as usize] = quad_level;
-        if plan.polygonal && !stands_for_face(surface, quad) {
+        if plan.polygonal && !surface.stands_for_face(quad) {
             continue;
         }
         for bv in 0..blocks {

@@ -4,6 +4,7 @@ use super::chunk::{ALIGNED, Builder, NamedBlock};
 use super::dicer::Dicer;
 use super::plan::PlannedBlock;
 use super::records::{Block, Face, POINT_FLOATS, Spot, Stencil};
+use crate::mesh::fan_corners;
 use crate::topology::NONE;
 
 /// Corner of a quad at each place of a block, row by row.
@@ -11,15 +12,6 @@ pub(super) const CORNERS: [usize; 4] = [0, 1, 3, 2];
 
 /// Words of a table that gives each place its corner: by corner and place.
 const TABLE: usize = 4 * 4;
-
-/// Corners of block `k` of a face of `count` corners.
-fn corners(k: u32, count: usize) -> [u32; 4] {
-    match count {
-        4 => [0, 1, 2, 3],
-        // Triangles repeat their last corner.
-        _ => [0, k + 1, k + 2, k + 2],
-    }
-}
 
 /// The number of a table, of the corners that have a value.
 fn table_number(there: [bool; 4]) -> u32 {
@@ -42,7 +34,7 @@ impl Builder {
         }
         if dicer.look.textured {
             gathers += 4 * blocks.len();
-            let of = |b: &PlannedBlock| corners(b.start[0], vertices.len());
+            let of = |b: &PlannedBlock| fan_corners(vertices.len(), b.start[0]);
             let uvs = |b| of(b).map(|k| cage.corner_uvs()[(first + k) as usize] != NONE);
             tables.extend(blocks.iter().map(|b| table_number(uvs(b))));
         }
@@ -72,7 +64,7 @@ impl Builder {
             self.data.spots.push(spot);
         }
         for b in blocks {
-            let of = corners(b.start[0], count);
+            let of = fan_corners(count, b.start[0]);
             let own = self.polygon(dicer, face as u32, spots, of.map(|k| first + k));
             let corners = of.map(|k| spots + k);
             self.add_single(Face { corners, ..own }, b);

@@ -1,5 +1,4 @@
-//! Level 0 of cages with other polygons than quads: faces of four corners are blocks of one micro-quad between limit points, other polygons
-//! one for each corner, with the centre.
+//! Blocks of polygonal levels (`surface::polygons`).
 
 use super::chunk::{ALIGNED, Builder};
 use super::dicer::{Dicer, FaceTable, Shown};
@@ -16,18 +15,6 @@ struct Rows {
 }
 
 impl Dicer<'_> {
-    /// Half-edges of quads whose first corners are those of a block.
-    fn sector(&self, quad: u32) -> [u32; 4] {
-        let t = self.surface.topology();
-        let next = t.next(quad);
-        if t.face_halves(self.surface.cage_face(quad)).len() == 4 {
-            let third = t.next(next);
-            return [quad, next, third, t.next(third)].map(|h| 4 * h);
-        }
-        let centre = 4 * quad + 2;
-        [4 * quad, 4 * next, centre, centre]
-    }
-
     /// The weights at the corners of a block, of tables on grids of `level` with `count` columns of `width` numbers, of which the first
     /// `kept` are.
     fn at_corners(
@@ -37,7 +24,7 @@ impl Dicer<'_> {
         [level, count, width, kept]: [u32; 4],
     ) -> Vec<f32> {
         let (n, side) = (1 << level, (1 << level) + 1);
-        let corners = self.sector(quad);
+        let corners = self.surface.polygon_block(quad);
         let mut out = Vec::with_capacity((count * 4 * kept) as usize);
         for k in 0..count {
             for h in CORNERS.map(|c| corners[c]) {
@@ -80,7 +67,7 @@ impl Dicer<'_> {
 impl Builder {
     /// Bytes of points, weights and gathers with one more block: no less than what they take.
     pub(super) fn sector_bytes(&self, dicer: &Dicer<'_>, quad: u32) -> Result<[u64; 4], GpuError> {
-        let mut quads: Vec<u32> = (dicer.sector(quad).into_iter())
+        let mut quads: Vec<u32> = (dicer.surface.polygon_block(quad).into_iter())
             .flat_map(|h| Self::quads_of(dicer, h / 4))
             .collect();
         quads.sort_unstable();
@@ -119,7 +106,11 @@ impl Builder {
             colors: dicer.colors,
             ..Face::default()
         };
-        for (corner, h) in out.corners.iter_mut().zip(dicer.sector(block.quad)) {
+        for (corner, h) in out
+            .corners
+            .iter_mut()
+            .zip(dicer.surface.polygon_block(block.quad))
+        {
             *corner = self.corner(dicer, h)?;
         }
         if let Some(rows) = dicer.uv_rows(block.quad) {

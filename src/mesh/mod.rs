@@ -17,3 +17,4 @@ pub use channel::{CageChannels, FaceVaryingChannel, UniformChannel, UniformValue
 pub use error::CageError;
 pub use obj::{ReadError, ReadErrorKind, Warning, WarningKind};
 pub use resolver::{MemoryFiles, NoFiles, ResolveError, Resolver};
+pub(crate) use triangulate::fan_corners;

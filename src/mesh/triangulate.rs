@@ -8,6 +8,15 @@ use super::cage::Cage;
 use super::channel::{CageChannels, FaceVaryingChannel, UniformChannel, UniformValues};
 use std::cmp::Ordering;
 
+/// Corners of a polygon of `count`, as it is drawn where it is flat: those of a quad, or of triangle `k` of its fan around the first, with the
+/// last one twice.
+pub(crate) fn fan_corners(count: usize, k: u32) -> [u32; 4] {
+    match count {
+        4 => [0, 1, 2, 3],
+        _ => [0, k + 1, k + 2, k + 2],
+    }
+}
+
 impl Cage {
     /// The first face that is no triangle.
     #[must_use]
