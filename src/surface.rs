@@ -1,5 +1,6 @@
 //! The subdivision surface of a cage: topology once, points as often as they move.
 
+mod cells;
 mod channel_patch;
 mod channels;
 mod diced;
@@ -30,8 +31,9 @@ use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
 use displaced::Displaced;
 use make::{given_normals, scheme_of, tagged_tension};
 use mesh::QuadMesh;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+pub(crate) use cells::{MOST_CELLS, PolygonBlock, PolygonBlocks, cell_places};
 pub(crate) use channel_patch::Spline;
 pub use diced::DicedQuad;
 #[cfg(feature = "gpu")]
@@ -118,6 +120,8 @@ pub struct Surface {
     /// Whether faces are triangles, under Loop's scheme and Modified Butterfly.
     triangles: bool,
     displaced: Option<Arc<Displaced>>,
+    /// The cage as it is drawn as given, from the first time on.
+    polygons: OnceLock<PolygonBlocks>,
     warnings: Vec<TopologyWarning>,
 }
 
@@ -168,6 +172,7 @@ impl Surface {
             linear_uv: linear || rule == FaceVaryingRule::All,
             triangles,
             displaced: None,
+            polygons: OnceLock::new(),
             warnings,
             cage,
         };
@@ -314,6 +319,7 @@ impl Surface {
             return Err(CageError::NotFinite { vertex });
         }
         self.cage.points.copy_from_slice(points);
+        self.polygons = OnceLock::new();
         if let Some(tables) = &self.tables {
             let plans = Some(tables.plans());
             let rule = self.face_varying_rule();
@@ -394,6 +400,15 @@ impl Surface {
         } else {
             q
         }
+    }
+    /// The cage's polygons, in blocks.
+    pub(crate) fn polygon_blocks(&self) -> &PolygonBlocks {
+        if self.polygons.get().is_none() {
+            // Not inside of `get_or_init`: a thread that helps out while it waits may come here again.
+            let made = PolygonBlocks::new(&self.cage, &self.mesh.base, |_| MOST_CELLS);
+            let _ = self.polygons.set(made);
+        }
+        self.polygons.get_or_init(PolygonBlocks::default)
     }
     /// Whether the cage has texture coordinates.
     #[must_use]

@@ -140,9 +140,15 @@ impl Object {
     /// Material of a face of the cage, as an index into the scene's list.
     #[must_use]
     pub fn material(&self, face: u32) -> u32 {
-        match self.surface.cage().face_materials.get(face as usize) {
-            Some(&m) if m != crate::mesh::NONE => self.first_material + m,
-            _ => NO_MATERIAL,
+        let of_cage = self.surface.cage().face_materials.get(face as usize);
+        self.material_of(of_cage.copied().unwrap_or(crate::mesh::NONE))
+    }
+
+    /// One of the cage's materials as an index into the scene's list.
+    pub(super) fn material_of(&self, of_cage: u32) -> u32 {
+        match of_cage {
+            crate::mesh::NONE => NO_MATERIAL,
+            m => self.first_material + m,
         }
     }
 }

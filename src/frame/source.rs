@@ -4,7 +4,7 @@
 //! is; binning, drawing and shading only count them.
 
 use super::Use;
-use super::cage::{self, Cells};
+use super::cage;
 use super::leaf::{self, Spare};
 use super::scene::{Object, Scene};
 use super::spot::Shape;
@@ -12,9 +12,11 @@ use crate::dice::FacePatch;
 use crate::dice::face::{Part, Sides};
 use crate::limits::{Budget, LimitError};
 use crate::records::{BlockSize, Grid3, SampleId};
+use crate::shade::SurfaceMaterial;
 use crate::simd::Level;
-use crate::surface::{QuadPatch, RefinedFans, Surface};
+use crate::surface::{PolygonBlock, PolygonBlocks, QuadPatch, RefinedFans, Surface};
 use crate::tessellate::Tessellation;
+use std::borrow::Cow;
 use std::time::Duration;
 
 /// What is drawn of each surface.
@@ -42,8 +44,9 @@ pub(super) struct Source<'a> {
     pub(super) wants_tangents: bool,
     /// Items are its leaves, not quads.
     pub(super) tessellation: Option<Tessellation>,
-    /// Of a cage that is drawn as it is, its items.
-    pub(super) cells: Vec<Cells>,
+    /// Of a cage that is drawn as it is, its items, and their micro-triangles but for those of materials that are not drawn.
+    polygons: Cow<'a, PolygonBlocks>,
+    polygon_triangles: u64,
 }
 
 /// Buffers of one thread.
@@ -208,11 +211,17 @@ impl<'a> Source<'a> {
             if drawing != Drawing::Cage && tessellation.is_none() {
                 object.surface.try_ensure(quad_level, budget)?;
             }
-            let cells = match drawing {
+            let polygons = match drawing {
                 Drawing::Cage => cage::blocks(scene, object, purpose == Use::Lines),
-                _ => Vec::new(),
+                _ => Cow::Owned(PolygonBlocks::default()),
             };
-            budget.take("the blocks of the cage", size_of_val(&*cells) as u128, 0)?;
+            budget.take("the blocks of the cage", polygons.bytes() as u128, 0)?;
+            let is_seen = |b: &&PolygonBlock| {
+                let material = scene.materials.get(object.material(b.face) as usize);
+                !material.is_some_and(SurfaceMaterial::is_clear)
+            };
+            let seen = polygons.blocks.iter().filter(is_seen);
+            let polygon_triangles = seen.map(|b| u64::from(b.triangles)).sum();
             let refined =
                 (drawing == Drawing::Refined).then(|| object.surface.refined_fans(quad_level));
             let source = Source {
@@ -225,7 +234,8 @@ impl<'a> Source<'a> {
                 wants_tangents: object.surface.has_uvs()
                     && (scene.has_relief() || object.is_shaded_by_map()),
                 tessellation,
-                cells,
+                polygons,
+                polygon_triangles,
             };
             first_item += source.item_count();
             first_face += object.surface.cage().face_count() as u32;
@@ -238,7 +248,7 @@ impl<'a> Source<'a> {
     pub(super) fn item_count(&self) -> u32 {
         match (self.drawing, &self.tessellation) {
             (_, Some(t)) => t.leaves.len() as u32,
-            (Drawing::Cage, _) => self.cells.len() as u32,
+            (Drawing::Cage, _) => self.polygons.blocks.len() as u32,
             _ => self.object.surface.quads().face_count() as u32,
         }
     }
@@ -271,17 +281,22 @@ impl<'a> Source<'a> {
     pub(super) fn cage_face(&self, item: u32) -> u32 {
         if let Some(t) = &self.tessellation {
             self.object.surface.cage_face(t.leaves[item as usize].quad)
-        } else if let Some(cells) = self.cells.get(item as usize) {
-            cells.face
+        } else if let Some(block) = self.polygon_block(item) {
+            block.face
         } else {
             self.object.surface.cage_face(item)
         }
     }
 
+    /// Of a cage that is drawn as it is, a local item.
+    pub(super) fn polygon_block(&self, item: u32) -> Option<&PolygonBlock> {
+        self.polygons.blocks.get(item as usize)
+    }
+
     /// Face of the cage that a sample of a local item shows.
     pub(super) fn face_at(&self, item: u32, id: SampleId) -> u32 {
-        match self.cells.get(item as usize) {
-            Some(cells) => cells.face_at(self.object.surface.cage(), id),
+        match self.polygon_block(item) {
+            Some(block) => (self.polygons).face_at(self.object.surface.cage(), block, id),
             None => self.cage_face(item),
         }
     }
@@ -326,8 +341,8 @@ impl<'a> Source<'a> {
     pub(super) fn block_size(&self, item: u32) -> BlockSize {
         if let Some(t) = &self.tessellation {
             leaf::block_size(t, item)
-        } else if let Some(cells) = self.cells.get(item as usize) {
-            cells.size()
+        } else if let Some(block) = self.polygon_block(item) {
+            block.size()
         } else {
             FacePatch::block_size(self.quad_level())
         }
@@ -355,8 +370,7 @@ impl<'a> Source<'a> {
             return leaf::triangles(t);
         }
         if self.drawing == Drawing::Cage {
-            let cage = self.object.surface.cage();
-            return self.cells.iter().map(|c| c.triangles(cage)).sum();
+            return self.polygon_triangles;
         }
         let per_face = if self.object.surface.is_triangular() {
             1_u64
@@ -440,8 +454,8 @@ impl<'a> Source<'a> {
         let surface = &self.object.surface;
         if let Some(t) = &self.tessellation {
             leaf::hull(surface, t, item, scratch, out);
-        } else if let Some(cells) = self.cells.get(item as usize) {
-            cells.hull(surface.cage(), out);
+        } else if let Some(block) = self.polygon_block(item) {
+            self.polygons.hull(surface.cage(), block, out);
         } else if self.is_polygonal() {
             out.extend(surface.polygon_block(item).map(|h| self.corner_point(h)));
         } else {
@@ -477,8 +491,9 @@ impl<'a> Source<'a> {
             let attributes = attributes.map(|a| (a, self.wants_tangents));
             return leaf::dice(&self.object.surface, t, item, scratch, points, attributes);
         }
-        if let Some(cells) = self.cells.get(item as usize) {
-            return cells.dice(self.object.surface.cage(), points, attributes);
+        if let Some(block) = self.polygon_block(item) {
+            let cage = self.object.surface.cage();
+            return cage::dice(cage, &self.polygons, block, points, attributes);
         }
         if self.is_polygonal() {
             return self.dice_polygon(item, points, attributes);

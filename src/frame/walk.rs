@@ -156,16 +156,16 @@ impl Source<'_> {
             wired: false,
             triangular: false,
         };
-        if let Some(cells) = self.cells.get(item as usize) {
+        if let Some(block) = self.polygon_block(item) {
             // Lines are asked for one by one.
-            let halves = t.face_halves(cells.face);
+            let halves = t.face_halves(block.face);
             let (first, n) = (halves.start, halves.len() as u32);
             if n == 4 {
                 let all = [0, 1, 2, 3].map(|k| first + k);
                 return polygon(all, all);
             }
             // A triangle of the fan around corner 0.
-            let k = cells.fan;
+            let k = block.fan;
             let only = |is: bool, h: u32| if is { h } else { NONE };
             let sides = [
                 only(k == 0, first),

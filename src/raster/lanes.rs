@@ -121,11 +121,35 @@ impl CornerLanes {
     /// Fetches the corners of samples by their ids, in the block that they are of.
     #[inline(always)]
     pub fn fetch(&mut self, block: &PairedBlock, ids: &[u32; LANES]) {
+        let mut other = [0; LANES];
+        for l in 0..LANES {
+            other[l] = flag(ids[l] != ids[0]);
+        }
+        if bits(&other) == 0 {
+            return self.fetch_one(block, ids[0]);
+        }
         let at = corner_lanes(ids);
         for c in 0..3 {
             fetch_pairs(&block.position, &at[c], &mut self.position[c]);
             fetch_pairs(&block.depth_z, &at[c], &mut self.depth_z[c]);
             fetch_pairs(&block.normal, &at[c], &mut self.normal[c]);
+        }
+    }
+
+    /// The same where all samples are of one micro-triangle.
+    #[inline(always)]
+    fn fetch_one(&mut self, block: &PairedBlock, id: u32) {
+        for (c, at) in corners(id).into_iter().enumerate() {
+            let parts = [
+                (&block.position, &mut self.position[c]),
+                (&block.depth_z, &mut self.depth_z[c]),
+                (&block.normal, &mut self.normal[c]),
+            ];
+            for (table, [low, high]) in parts {
+                let word = table[at as usize & (PLACES - 1)];
+                *low = [word as u32; LANES];
+                *high = [(word >> 32) as u32; LANES];
+            }
         }
     }
 }
