@@ -457,4 +457,22 @@ mod tests {
         assert_eq!(build([3, 0, 2], 0), 2);
         assert_eq!(build([0, 2, 2], 0), 2);
     }
+
+    #[test]
+    fn blocks_move_with_the_points() {
+        let mut surface = Surface::new(strip(8, 0.0), &SurfaceOptions::default());
+        let hull = |surface: &Surface| {
+            let mut out = Vec::new();
+            let all = surface.polygon_blocks();
+            all.hull(surface.cage(), &all.blocks[0], &mut out);
+            out
+        };
+        let before = hull(&surface);
+        let moved: Vec<[f32; 3]> = (surface.cage().points.iter())
+            .map(|p| [p[0], p[1] + 5.0, p[2]])
+            .collect();
+        surface.update_points(&moved).unwrap();
+        let wanted: Vec<[f32; 3]> = before.iter().map(|p| [p[0], p[1] + 5.0, p[2]]).collect();
+        assert_eq!(hull(&surface), wanted);
+    }
 }
