@@ -70,7 +70,7 @@ type Kind = (
     bool,
 );
 
-const KINDS: [Kind; 12] = {
+const KINDS: [Kind; 13] = {
     use Drawing::{Cage, Limit, Refined};
     use Scheme::{Bilinear, Butterfly, CatmullClark, Kobbelt, Loop};
     use ShadeMode::{Depth, Flat, Level, Lit, Normals, Uv};
@@ -86,6 +86,7 @@ const KINDS: [Kind; 12] = {
         ("part_creased", Bilinear, Some(2), Limit, Normals, 4, false),
         ("tetrahedron", Loop, Some(6), Limit, Lit, 4, false),
         ("octahedron", Butterfly, Some(4), Limit, Lit, 1, false),
+        ("octahedron", Loop, Some(0), Cage, Lit, 1, false),
         ("torus", Kobbelt, Some(3), Limit, Level, 1, false),
     ]
 };
