@@ -212,7 +212,11 @@ impl<'a> Source<'a> {
                 object.surface.try_ensure(quad_level, budget)?;
             }
             let polygons = match drawing {
-                Drawing::Cage => cage::blocks(scene, object, purpose == Use::Lines),
+                Drawing::Cage => {
+                    let making = PolygonBlocks::making(object.surface.cage());
+                    budget.take("the blocks of the cage", 0, making)?;
+                    cage::blocks(scene, object, purpose == Use::Lines)
+                }
                 _ => Cow::Owned(PolygonBlocks::default()),
             };
             budget.take("the blocks of the cage", polygons.bytes() as u128, 0)?;

@@ -146,6 +146,8 @@ impl PolygonBlocks {
         });
         let parts: Vec<Self> = chunks.collect();
         let mut all = Self::default();
+        all.cells
+            .reserve_exact(parts.iter().map(|part| part.cells.len()).sum());
         for part in parts {
             let first = all.cells.len() as u32;
             let moved = |b: &PolygonBlock| PolygonBlock {
@@ -156,6 +158,12 @@ impl PolygonBlocks {
             all.cells.extend(part.cells);
         }
         all
+    }
+
+    /// Bytes that making the blocks of a cage takes at most, where they have many cells: those of all chunks, and of all together.
+    pub(crate) fn making(cage: &Cage) -> u128 {
+        let polygons = (cage.corner_vertices.len()).saturating_sub(2 * cage.face_count());
+        2 * polygons as u128 * size_of::<Cell>() as u128
     }
 
     /// Bytes that it takes.
