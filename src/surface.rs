@@ -8,24 +8,21 @@ mod displaced;
 mod export;
 mod hull;
 mod jets;
+mod limits;
 mod make;
 mod mesh;
 mod patch;
+mod patches;
 mod polygons;
 
 use crate::control::tables::TableTree;
-use crate::control::{ControlTree, Fans, Kind};
-use crate::dice::face::{FacePatch, Sides};
+use crate::control::{ControlTree, Kind};
 use crate::dice::fan_points::FanPoints;
 use crate::dice::triangle::is_regular as is_regular_triangle_fan;
-use crate::dice::{DiceFault, MAX_LEVEL};
-use crate::math;
-use crate::mesh::{Cage, NONE};
-use crate::patch::{FacePatches, PatchKind, PnCage};
-use crate::records::Grid3;
+use crate::mesh::Cage;
+use crate::patch::{PatchKind, PnCage};
 use crate::refine;
 use crate::scheme::{Boundary, CreaseMethod, FaceVaryingRule, Scheme, TriangleRule};
-use crate::simd::Level;
 use crate::topology::ears::Ears;
 use crate::topology::{ConnectOptions, Topology, TopologyWarning, connect};
 use displaced::Displaced;
@@ -38,6 +35,7 @@ pub(crate) use channel_patch::Spline;
 pub use diced::DicedQuad;
 #[cfg(feature = "gpu")]
 pub(crate) use jets::PlaceJets;
+pub(crate) use limits::RefinedFans;
 pub(crate) use patch::QuadPatch;
 
 /// How a cage is read as a surface. What is `None` comes from the cage's tags, else from the defaults.
@@ -71,17 +69,6 @@ enum PatchCage {
 struct VertexChannel {
     points: Vec<[f32; 3]>,
     fans: FanPoints,
-}
-
-/// Fans of control points after some steps, for every control level.
-#[derive(Clone, Debug)]
-pub(crate) struct RefinedFans(Vec<Fans>);
-
-impl RefinedFans {
-    /// The point of a fan of the quads; none where it is that of the limit.
-    pub(crate) fn point(&self, fan: u32) -> Option<[f32; 3]> {
-        self.0.first().map(|fans| fans.limits()[fan as usize])
-    }
 }
 
 /// A subdivision surface, ready to be diced and drawn.
@@ -194,94 +181,6 @@ impl Surface {
             }
         };
         surface
-    }
-
-    /// Sets the tension of every vertex under [`PatchKind::Pn`]: from 0, which leaves the surface flat around it, to 1, which is the default but at
-    /// tagged corners. Means nothing to other surfaces.
-    ///
-    /// # Errors
-    /// [`CageError`](crate::mesh::CageError) unless there is one per vertex, all of them finite.
-    pub fn set_tension(&mut self, tension: &[f32]) -> Result<(), crate::mesh::CageError> {
-        use crate::mesh::CageError;
-        if tension.len() != self.cage.points.len() {
-            return Err(CageError::WrongCount {
-                what: "tensions",
-                got: tension.len(),
-                wanted: self.cage.points.len(),
-            });
-        }
-        if let Some(vertex) = tension.iter().position(|t| !t.is_finite()) {
-            return Err(CageError::NotFinite { vertex });
-        }
-        if let Some(PatchCage::Pn(pn)) = &mut self.patches {
-            let tension = tension.iter().map(|&t| math::saturate(t)).collect();
-            pn.set_tension(&self.mesh.base, &self.cage.points, tension);
-        }
-        Ok(())
-    }
-
-    /// Leaves PN triangles with the cage's own normals, which differ along creases alone: elsewhere nobody keeps sides together that move apart.
-    fn forget_given_normals(&mut self) {
-        if let Some(PatchCage::Pn(pn)) = &mut self.patches {
-            pn.move_points(&self.mesh.base, &self.cage.points);
-        }
-    }
-
-    /// The patches that are diced in place of the limit surface.
-    #[must_use]
-    pub fn patch_kind(&self) -> PatchKind {
-        match &self.patches {
-            None => PatchKind::None,
-            Some(PatchCage::Qas) => PatchKind::Qas,
-            Some(PatchCage::Pn(_)) => PatchKind::Pn,
-        }
-    }
-
-    /// Point and unit normal of the patches at parameter (`u`, `v`) of face `q` of [`Surface::quads`]; nothing where there are no patches or no
-    /// such face. Parameters of triangles lie where v is at most u.
-    #[must_use]
-    pub fn patch_point(&self, q: u32, u: f32, v: f32) -> Option<([f32; 3], [f32; 3])> {
-        self.patches.as_ref()?;
-        if q as usize >= self.quads().face_count() {
-            return None;
-        }
-        self.ensure(0);
-        let mut patch = QuadPatch::default();
-        patch.prepare_points(self, q, 0, None, Sides::Normals);
-        Some(patch.patch_at(u, v))
-    }
-
-    /// Vectors that the PN triangles of one of [`Surface::quads`] are made of.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn pn_net_len(&self) -> u32 {
-        let halves = if self.triangles { 1 } else { 2 };
-        halves * crate::patch::NET_LEN
-    }
-
-    /// Those of all of them; nothing where there are no PN triangles.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn list_pn_nets(&self, out: &mut Vec<[f32; 3]>) {
-        if let Some(PatchCage::Pn(cage)) = &self.patches {
-            let (t, points) = (&self.mesh.base, &self.cage.points);
-            let mut patches = FacePatches::default();
-            for q in 0..self.quads().face_count() as u32 {
-                patches.take(cage, t, points, q, self.is_split(), 0);
-                patches.list_nets(out);
-            }
-        }
-    }
-
-    /// Point and unit normal at corner `h` of the faces that are diced.
-    pub(crate) fn corner_point(&self, h: u32) -> ([f32; 3], [f32; 3]) {
-        if let Some(PatchCage::Pn(cage)) = &self.patches {
-            let corners = if self.triangles { 3 } else { 4 };
-            let [u, v] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][(h % corners) as usize];
-            let mut patches = FacePatches::default();
-            let (t, points) = (&self.mesh.base, &self.cage.points);
-            patches.take(cage, t, points, h / corners, self.is_split(), 0);
-            return patches.at(u, v);
-        }
-        self.fan_limit(self.quads().fan(h))
     }
 
     /// The rules by which the cage is refined: options, else its tags, else defaults.
@@ -491,146 +390,9 @@ impl Surface {
     pub fn ears(&self) -> Ears {
         Ears::new(self.quads())
     }
-    /// Limit points and unit normals at the vertices of fan `fan` of the quad mesh.
-    #[must_use]
-    pub fn fan_limit(&self, fan: u32) -> ([f32; 3], [f32; 3]) {
-        if let Some(mesh) = self.table_root() {
-            let t = &mesh.topology;
-            let normal = match t.fans()[fan as usize].first {
-                NONE => [0.0, 0.0, 1.0],
-                first => mesh.normal(first),
-            };
-            return (mesh.points[t.fan_vertex(fan) as usize], normal);
-        }
-        let (limits, normals) = match self.control.as_ref().and_then(|c| c.root(Kind::Points)) {
-            Some(root) => (root.fans.limits(), root.fans.normals()),
-            None => (&*self.mesh.fans.limits, &*self.mesh.fans.normals),
-        };
-        (limits[fan as usize], normals[fan as usize])
-    }
-
-    /// Dices quad `q` of [`Surface::quads`] on a grid of `2^level + 1` points along each side.
-    ///
-    /// # Panics
-    /// When there is no such quad or `level` is above 10.
-    #[must_use]
-    pub fn dice(&self, q: u32, level: u32) -> DicedQuad {
-        self.dice_with(q, level, DiceFault::None)
-    }
-
-    /// Every quad's control points after `level` steps, with the normals of the limit.
-    ///
-    /// # Panics
-    /// As [`Surface::dice`].
-    pub fn refine_quads(&self, level: u32) -> impl Iterator<Item = DicedQuad> + '_ {
-        assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
-        let fans = self.refined_fans(level);
-        (0..self.quads().face_count() as u32)
-            .map(move |q| self.dice_quad(q, level, DiceFault::None, Some(&fans)))
-    }
-
-    /// [`Surface::dice`] with a rule broken, for tests.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn dice_with(&self, q: u32, level: u32, fault: DiceFault) -> DicedQuad {
-        self.dice_quad(q, level, fault, None)
-    }
-
-    fn dice_quad(
-        &self,
-        q: u32,
-        level: u32,
-        fault: DiceFault,
-        refined: Option<&RefinedFans>,
-    ) -> DicedQuad {
-        assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
-        self.ensure(level);
-        let mut patch = QuadPatch::default();
-        patch.set_fault(fault);
-        patch.set_simd(Level::detect());
-        patch.prepare(self, q, level, refined);
-        let side = (1_usize << level) + 1;
-        let mut out = DicedQuad {
-            side,
-            ..DicedQuad::default()
-        };
-        out.points.resize(side * side, [0.0; 3]);
-        out.normals.resize(side * side, [0.0; 3]);
-        let (mut points, mut normals) = (Grid3::boxed(), Grid3::boxed());
-        let mut uvs = self.has_uvs().then(|| {
-            out.uvs.resize(side * side, [0.0; 2]);
-            Grid3::boxed()
-        });
-        let blocks = FacePatch::blocks_per_side(level);
-        let m = FacePatch::block_size(level).cols - 1;
-        for bv in 0..blocks {
-            let first = if self.triangles { bv } else { 0 };
-            for bu in first..blocks {
-                patch.dice(self, bu, bv, &mut points, Some(&mut normals));
-                if let Some(uvs) = uvs.as_deref_mut() {
-                    patch.dice_uvs(bu, bv, uvs);
-                }
-                for j in 0..=m {
-                    for i in 0..=m {
-                        let k = (bv as usize * m + j) * side + bu as usize * m + i;
-                        out.points[k] = points.get(i, j);
-                        out.normals[k] = normals.get(i, j);
-                        if let Some(uvs) = &uvs {
-                            let [u, v, _] = uvs.get(i, j);
-                            out.uvs[k] = [u, v];
-                        }
-                    }
-                }
-            }
-        }
-        if self.triangles {
-            out.fold();
-        }
-        out
-    }
-
     /// Whether texture coordinates are bilinear in each quad.
     pub(crate) fn has_linear_uvs(&self) -> bool {
         self.linear_uv
-    }
-
-    /// Limit of the texture coordinates at corner `h` of the quad mesh.
-    pub(crate) fn uv_limit(&self, h: u32) -> Option<[f32; 3]> {
-        self.corner_limit(Kind::Uvs, h)
-    }
-
-    /// Limit of the vertex colours at corner `h` of the quad mesh.
-    pub(crate) fn color_limit(&self, h: u32) -> Option<[f32; 3]> {
-        self.corner_limit(Kind::Colors, h)
-    }
-
-    fn corner_limit(&self, kind: Kind, h: u32) -> Option<[f32; 3]> {
-        if let Some(tables) = &self.tables {
-            let mesh = tables.root(kind)?;
-            return Some(mesh.points[mesh.topology.vertex(h) as usize]);
-        }
-        if let Some(control) = &self.control {
-            let mesh = control.root(kind)?;
-            return Some(mesh.fans.limits()[mesh.topology.fan(h) as usize]);
-        }
-        let channel = self.channel(kind, None)?;
-        Some(channel.fans.limits[channel.topology.fan(h) as usize])
-    }
-
-    /// Fans for another target than the limit: control points after `level` steps of the quad mesh.
-    pub(crate) fn refined_fans(&self, level: u32) -> RefinedFans {
-        if self.tables.is_some() {
-            // Refined points are limit points.
-            return RefinedFans(Vec::new());
-        }
-        RefinedFans(match &self.control {
-            Some(control) => control.refined(level),
-            None => {
-                let mut fans = self.mesh.fans_of(&self.mesh.points, Some(level), false);
-                fans.normals.clone_from(&self.mesh.fans.normals);
-                vec![Fans::Quads(Default::default(), fans)]
-            }
-        })
     }
 }
 

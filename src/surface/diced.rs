@@ -1,6 +1,12 @@
 //! One quad as plain arrays, for export and for other programs.
 
+use super::limits::RefinedFans;
+use super::{QuadPatch, Surface};
+use crate::dice::face::FacePatch;
+use crate::dice::{DiceFault, MAX_LEVEL};
 use crate::math;
+use crate::records::Grid3;
+use crate::simd::Level;
 
 /// Points of one quad of the surface's quad mesh on a grid, row by row: `side` points along u, then the next v.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +19,88 @@ pub struct DicedQuad {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates; empty without.
     pub uvs: Vec<[f32; 2]>,
+}
+
+impl Surface {
+    /// Dices quad `q` of [`Surface::quads`] on a grid of `2^level + 1` points along each side.
+    ///
+    /// # Panics
+    /// When there is no such quad or `level` is above 10.
+    #[must_use]
+    pub fn dice(&self, q: u32, level: u32) -> DicedQuad {
+        self.dice_with(q, level, DiceFault::None)
+    }
+
+    /// Every quad's control points after `level` steps, with the normals of the limit.
+    ///
+    /// # Panics
+    /// As [`Surface::dice`].
+    pub fn refine_quads(&self, level: u32) -> impl Iterator<Item = DicedQuad> + '_ {
+        assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
+        let fans = self.refined_fans(level);
+        (0..self.quads().face_count() as u32)
+            .map(move |q| self.dice_quad(q, level, DiceFault::None, Some(&fans)))
+    }
+
+    /// [`Surface::dice`] with a rule broken, for tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn dice_with(&self, q: u32, level: u32, fault: DiceFault) -> DicedQuad {
+        self.dice_quad(q, level, fault, None)
+    }
+
+    fn dice_quad(
+        &self,
+        q: u32,
+        level: u32,
+        fault: DiceFault,
+        refined: Option<&RefinedFans>,
+    ) -> DicedQuad {
+        assert!(level <= MAX_LEVEL, "level {level} is above {MAX_LEVEL}");
+        self.ensure(level);
+        let mut patch = QuadPatch::default();
+        patch.set_fault(fault);
+        patch.set_simd(Level::detect());
+        patch.prepare(self, q, level, refined);
+        let side = (1_usize << level) + 1;
+        let mut out = DicedQuad {
+            side,
+            ..DicedQuad::default()
+        };
+        out.points.resize(side * side, [0.0; 3]);
+        out.normals.resize(side * side, [0.0; 3]);
+        let (mut points, mut normals) = (Grid3::boxed(), Grid3::boxed());
+        let mut uvs = self.has_uvs().then(|| {
+            out.uvs.resize(side * side, [0.0; 2]);
+            Grid3::boxed()
+        });
+        let blocks = FacePatch::blocks_per_side(level);
+        let m = FacePatch::block_size(level).cols - 1;
+        for bv in 0..blocks {
+            let first = if self.triangles { bv } else { 0 };
+            for bu in first..blocks {
+                patch.dice(self, bu, bv, &mut points, Some(&mut normals));
+                if let Some(uvs) = uvs.as_deref_mut() {
+                    patch.dice_uvs(bu, bv, uvs);
+                }
+                for j in 0..=m {
+                    for i in 0..=m {
+                        let k = (bv as usize * m + j) * side + bu as usize * m + i;
+                        out.points[k] = points.get(i, j);
+                        out.normals[k] = normals.get(i, j);
+                        if let Some(uvs) = &uvs {
+                            let [u, v, _] = uvs.get(i, j);
+                            out.uvs[k] = [u, v];
+                        }
+                    }
+                }
+            }
+        }
+        if self.triangles {
+            out.fold();
+        }
+        out
+    }
 }
 
 impl DicedQuad {
