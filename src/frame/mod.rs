@@ -15,10 +15,13 @@ pub mod coverage;
 mod cutout;
 #[doc(hidden)]
 pub mod deviation;
+mod footprint;
 mod kept;
 mod leaf;
 mod level;
+mod lit;
 mod passes;
+mod pixels;
 mod refinement;
 mod scene;
 mod shading;

@@ -7,8 +7,11 @@
 use super::Frame;
 use super::aov::{self, TilePlanes};
 use super::cutout::{Layers, draw_cutout};
+use super::footprint::footprints;
 use super::kept::Kept;
-use super::shading::{self, GROUPS, LitGroup, Pixels, footprints};
+use super::lit::{GROUPS, LitGroup};
+use super::pixels::{self, Pixels};
+use super::shading;
 use super::source::{Attributes, Source, SourceScratch};
 use super::spot::{Shape, draw};
 use super::stats::{Stage, StageTimes};
@@ -187,7 +190,7 @@ pub(super) fn draw_tile(frame: &Frame<'_>, tile: usize, s: &mut Scratch) -> u64 
     s.times.stop(Stage::Shade, clock);
     shading::shade(frame, s);
     let clock = s.times.start();
-    shading::resolve(frame, s);
+    pixels::resolve(frame, s);
     s.times.stop(Stage::Film, clock);
     s.visible.pixels
 }
