@@ -1,7 +1,8 @@
 //! `--aov`: what is written beside the picture.
 
 use super::exit::Failure;
-use super::job::{Job, Output, Staged};
+use super::job::Job;
+use super::outputs::{Output, Staged};
 use super::stats::Json;
 use earmark::camera::View;
 use earmark::files;

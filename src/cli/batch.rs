@@ -2,8 +2,9 @@
 
 use super::exit::{Code, Failure};
 use super::flags::RunningFlags;
-use super::job::{Job, Output, commit_all};
+use super::job::Job;
 use super::messages::{error, note};
+use super::outputs::{Output, commit_all};
 use super::stats::Json;
 use super::{Cli, Verb, command, guarded, watch};
 use clap::{Args, FromArgMatches};

@@ -2,7 +2,8 @@
 
 use super::exit::{Code, Failure};
 use super::flags::RunningFlags;
-use super::job::{Job, Output, Staged, commit_all, print_text};
+use super::job::Job;
+use super::outputs::{Output, Staged, commit_all, print_text};
 use super::stats::Json;
 use super::watch::{self, Phase};
 use clap::Args;

@@ -83,7 +83,8 @@ mod with {
     use crate::cli::bench::{Arguments, Outcome, Published, Row, publish, push};
     use crate::cli::exit::{Code, Failure};
     use crate::cli::flags::PictureFlags;
-    use crate::cli::job::{Job, print_text};
+    use crate::cli::job::Job;
+    use crate::cli::outputs::print_text;
     use crate::cli::stats::{Clock, Json, Time};
     use earmark::frame::{Finished, FrameStats, Refinement};
     use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene, GpuStats, Refiner, adapters};

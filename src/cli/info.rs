@@ -2,8 +2,9 @@
 
 use super::exit::Failure;
 use super::flags::{ModelFlags, RunningFlags, scheme_name};
-use super::job::{Job, bounds, commit_all, print_text};
+use super::job::{Job, bounds};
 use super::messages::warning;
+use super::outputs::{commit_all, print_text};
 use super::render::stats_output;
 use super::stats::Json;
 use clap::Args;

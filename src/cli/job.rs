@@ -1,12 +1,13 @@
-//! What every verb works with: limits, clocks, threads, the models it loads, and the outputs it stages.
+//! What every verb works with: limits, clocks, threads, and the models it loads.
 
 use super::exit::{Code, Failure};
 use super::flags::{LevelFlags, ModelFlags, RunningFlags, Simd, scheme_name};
+use super::machine::{address_space, default_memory, pool_of, threads};
 use super::messages::{note, warning};
 use super::pn_tags::PnTags;
 use super::stats::{Clock, Json, Stages, held_bytes, peak_bytes, process_cpu_ms, reserved_bytes};
 use super::watch::{self, Phase};
-use earmark::files::{self, AtomicFile, FolderResolver};
+use earmark::files::{self, FolderResolver};
 use earmark::frame::Object;
 use earmark::limits::{Limits, Progress};
 use earmark::load::{LoadOptions, Loader};
@@ -17,16 +18,11 @@ use earmark::simd::Level as SimdLevel;
 use earmark::tessellate::depth_tags;
 use earmark::topology::{Topology, TopologyWarning};
 use earmark::{Scene, SurfaceOptions};
-use std::io::{self, IsTerminal, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-
-/// Threads beyond this many per processor only take memory.
-const MOST_THREADS_PER_CORE: usize = 4;
-/// As many are always allowed, so that a result can be compared over thread counts anywhere.
-const ALWAYS_ALLOWED: usize = 64;
 
 /// What messages call standard input.
 const STDIN: &str = "standard input";
@@ -382,17 +378,6 @@ impl Job {
     }
 }
 
-/// A pool of so many threads.
-pub(crate) fn pool_of(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| {
-            let message = format!("earmark: cannot start {threads} threads: {e}");
-            Failure::new(Code::Limit, message)
-        })
-}
-
 /// A resolver that keeps the names of the files it is asked for.
 struct Asked<'a> {
     inner: Box<dyn Resolver>,
@@ -457,201 +442,4 @@ pub(crate) fn bounds(cage: &Cage) -> [[f64; 3]; 2] {
     let origin = cage.origin();
     cage.bounds()
         .map(|p| std::array::from_fn(|k| f64::from(p[k]) + origin[k]))
-}
-
-/// Where an output goes.
-#[derive(Clone, Debug)]
-pub(crate) enum Output {
-    Stdout,
-    File(PathBuf),
-}
-
-impl Output {
-    /// Checks an output before any work is done for it: its ending, its place, and that it is none of the inputs.
-    pub(crate) fn checked(
-        path: &Path,
-        endings: &[&str],
-        inputs: &[&Path],
-    ) -> Result<Self, Failure> {
-        if path.as_os_str() == "-" {
-            if io::stdout().is_terminal() && endings.contains(&"png") {
-                return Err(Failure::usage(
-                    "standard output is a terminal; a picture would only disturb it",
-                ));
-            }
-            return Ok(Self::Stdout);
-        }
-        let ending = path
-            .extension()
-            .map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if !endings.is_empty() && !ending.is_some_and(|e| endings.contains(&e.as_str())) {
-            let known: Vec<String> = endings.iter().map(|e| format!(".{e}")).collect();
-            return Err(Failure::usage(format!(
-                "{}: unknown ending; outputs end in {}",
-                path.display(),
-                known.join(" or ")
-            )));
-        }
-        if inputs.iter().any(|i| files::same_file(i, path)) {
-            let message = format!("{}: is an input, and is not written over", path.display());
-            return Err(Failure::new(Code::Io, message));
-        }
-        files::check_output(path)?;
-        Ok(Self::File(path.to_owned()))
-    }
-
-    /// [`Output::stage`] for outputs that are not held in memory as a whole.
-    pub(crate) fn stage_with(
-        &self,
-        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-    ) -> Result<Staged, Failure> {
-        let failure = |name: &str, e: &io::Error| {
-            Failure::new(Code::Io, format!("{name}: {}", error_text(e)))
-        };
-        match self {
-            Self::Stdout => {
-                let mut out = io::BufWriter::new(io::stdout().lock());
-                write(&mut out)
-                    .and_then(|()| out.flush())
-                    .map_err(|e| failure("standard output", &e))?;
-                Ok(Staged(None))
-            }
-            Self::File(path) => {
-                let mut file = AtomicFile::create(path)?;
-                write(&mut file).map_err(|e| failure(&path.display().to_string(), &e))?;
-                file.sync()?;
-                Ok(Staged(Some(file)))
-            }
-        }
-    }
-
-    /// Puts the bytes where only [`Staged::commit`] is left to do; on standard output they are gone.
-    pub(crate) fn stage(&self, bytes: &[u8]) -> Result<Staged, Failure> {
-        self.stage_with(|out| out.write_all(bytes))
-    }
-}
-
-/// An output that is complete and on disk, but not yet in its place.
-pub(crate) struct Staged(Option<AtomicFile>);
-
-impl Staged {
-    /// An output that is complete and on disk.
-    pub(crate) fn of(file: AtomicFile) -> Self {
-        Self(Some(file))
-    }
-    pub(crate) fn commit(self) -> Result<(), Failure> {
-        match self.0 {
-            Some(file) => Ok(file.commit()?),
-            None => Ok(()),
-        }
-    }
-}
-
-/// Outputs appear together, after the last moment at which a signal or the deadline can prevent it.
-pub(crate) fn commit_all(outputs: Vec<Staged>) -> Result<(), Failure> {
-    watch::settle();
-    for output in outputs {
-        output.commit()?;
-    }
-    Ok(())
-}
-
-/// An output that cannot be written to its end.
-pub(crate) fn write_failure(e: &io::Error) -> Failure {
-    Failure::new(Code::Io, format!("earmark: {}", error_text(e)))
-}
-
-/// A system error without numbers.
-fn error_text(e: &io::Error) -> String {
-    match e.kind() {
-        io::ErrorKind::StorageFull => "no space left".to_owned(),
-        io::ErrorKind::BrokenPipe => "nobody reads it".to_owned(),
-        io::ErrorKind::FileTooLarge => "the system allows no file of this size".to_owned(),
-        kind => kind.to_string(),
-    }
-}
-
-/// Text to standard output. A reader that has seen enough, as `head`, is no failure.
-pub(crate) fn print_text(text: &str) -> Result<(), Failure> {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::new(
-            Code::Io,
-            format!("standard output: {}", error_text(&e)),
-        )),
-        _ => Ok(()),
-    }
-}
-
-/// How many threads: the flag (or its variable), rayon's variable, the processors.
-fn threads(wanted: Option<u32>) -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let from_rayon = || {
-        let n: usize = std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok()?;
-        (n > 0).then_some(n)
-    };
-    let wanted = match wanted {
-        Some(n) => n as usize,
-        None => from_rayon().unwrap_or(cores),
-    };
-    let most = (cores * MOST_THREADS_PER_CORE).max(ALWAYS_ALLOWED);
-    if wanted > most {
-        warning(&format!(
-            "{wanted} threads are more than help here; {most} are used"
-        ));
-    }
-    wanted.min(most)
-}
-
-/// Three quarters of what the process may have: its control group's limit, physical memory.
-fn default_memory() -> Option<u64> {
-    let physical = || {
-        let info = std::fs::read_to_string("/proc/meminfo").ok()?;
-        let line = info.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
-        let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-        Some(kilobytes << 10)
-    };
-    let least = [physical(), group_limit()].into_iter().flatten().min()?;
-    Some(least / 4 * 3)
-}
-
-#[cfg(unix)]
-fn address_space() -> Option<u64> {
-    rustix::process::getrlimit(rustix::process::Resource::As).current
-}
-
-#[cfg(not(unix))]
-fn address_space() -> Option<u64> {
-    None
-}
-
-/// The smallest memory limit among the process' control group and those around it, of both versions.
-fn group_limit() -> Option<u64> {
-    let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
-    let mut least = None;
-    for line in groups.lines() {
-        let mut fields = line.splitn(3, ':').skip(1);
-        let (Some(controllers), Some(path)) = (fields.next(), fields.next()) else {
-            continue;
-        };
-        let (root, file) = match controllers {
-            "" => ("/sys/fs/cgroup", "memory.max"),
-            c if c.split(',').any(|c| c == "memory") => {
-                ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")
-            }
-            _ => continue,
-        };
-        // In a container the path may be that of the host; the mount's root is the group then.
-        let mut folder = PathBuf::from(root).join(path.trim_start_matches('/'));
-        loop {
-            let limit = std::fs::read_to_string(folder.join(file)).ok();
-            if let Some(n) = limit.and_then(|s| s.trim().parse::<u64>().ok()) {
-                least = Some(least.map_or(n, |l: u64| l.min(n)));
-            }
-            if folder == Path::new(root) || !folder.pop() {
-                break;
-            }
-        }
-    }
-    least
 }

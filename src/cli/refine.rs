@@ -3,8 +3,9 @@
 use super::displace::DisplaceFlags;
 use super::exit::{Code, Failure};
 use super::flags::{ModelFlags, RunningFlags, scheme_name};
-use super::job::{Job, Output, Staged, commit_all, model_names};
+use super::job::{Job, model_names};
 use super::messages::{note, warning};
+use super::outputs::{Output, Staged, commit_all};
 use super::render::{input_paths, stats_output};
 use super::stats::{Clock, Json, Time};
 use super::watch::{self, Phase};

@@ -1,7 +1,7 @@
 //! `earmark completions` and `earmark man`: texts about the program itself.
 
 use super::exit::{Code, Failure};
-use super::job::print_text;
+use super::outputs::print_text;
 use clap::{Args, Command};
 use clap_complete::Shell;
 

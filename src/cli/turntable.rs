@@ -3,8 +3,9 @@
 use super::draw::{self, Lined};
 use super::exit::Failure;
 use super::flags::PictureFlags;
-use super::job::{Job, Output, Staged, commit_all, model_names, write_failure};
+use super::job::{Job, model_names};
 use super::messages::note;
+use super::outputs::{Output, Staged, commit_all, write_failure};
 use super::render;
 use super::stats::{Clock, Json, Time, frame_stages};
 use super::watch::{self, Phase};

@@ -14,7 +14,8 @@ mod scale;
 
 use super::exit::Failure;
 use super::flags::{Backend, LevelFlags, ModelFlags, PictureFlags, RunningFlags};
-use super::job::{Job, commit_all, print_text};
+use super::job::Job;
+use super::outputs::{commit_all, print_text};
 use super::render::{check_picture, input_paths, stats_output};
 use super::stats::{Json, Time};
 use super::watch::{self, Phase};

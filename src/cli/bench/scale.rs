@@ -3,7 +3,8 @@
 use super::{Arguments, Outcome, Row, push, summary};
 use crate::cli::draw;
 use crate::cli::exit::Failure;
-use crate::cli::job::{Job, pool_of};
+use crate::cli::job::Job;
+use crate::cli::machine::pool_of;
 use crate::cli::stats::{Clock, Time};
 use earmark::dice::MAX_LEVEL;
 use earmark::frame::{Refinement, Renderer};

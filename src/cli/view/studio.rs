@@ -3,7 +3,9 @@
 use super::Arguments;
 use crate::cli::exit::Failure;
 use crate::cli::flags::RunningFlags;
-use crate::cli::job::{Job, Output, pool_of, print_text};
+use crate::cli::job::Job;
+use crate::cli::machine::pool_of;
+use crate::cli::outputs::{Output, print_text};
 use crate::cli::{draw, gpu, render};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, FromArgMatches, Parser};
