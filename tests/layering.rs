@@ -166,7 +166,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
         &["sheet.rs", "sheet/", "overlay/", "window/hud.rs"],
     ),
     ("minifb", &["window/screen.rs"]),
-    ("image", &["texture.rs", "film/"]),
+    ("image", &["texture/load.rs", "film/"]),
     ("wgpu", &["gpu/"]),
     ("bytemuck", &["gpu/"]),
     ("pollster", &["gpu/"]),

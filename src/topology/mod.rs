@@ -11,12 +11,15 @@ pub mod channel;
 pub mod connect;
 pub mod ears;
 pub mod one_ring;
+mod pairing;
 pub mod split;
+mod warning;
 
 use crate::scheme::INFINITE_SHARPNESS;
 
-pub use connect::{ConnectOptions, TopologyWarning, connect};
+pub use connect::{ConnectOptions, connect};
 pub use one_ring::Ring;
+pub use warning::TopologyWarning;
 
 /// No half-edge, no fan.
 pub const NONE: u32 = u32::MAX;
