@@ -1,6 +1,7 @@
 //! Limits at the fans of a channel, of quads or of triangles.
 
-use crate::dice::fan_points::{FanPoints, TangentMasks};
+use crate::dice::fan_points::FanPoints;
+use crate::dice::tangent_masks::TangentMasks;
 use crate::dice::triangle::{TriangleFans, TriangleMasks};
 use crate::topology::Topology;
 

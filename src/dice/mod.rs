@@ -16,6 +16,7 @@ mod regular;
 mod sheet;
 mod sides;
 pub(crate) mod table;
+pub(crate) mod tangent_masks;
 #[cfg(test)]
 mod tests;
 pub(crate) mod triangle;

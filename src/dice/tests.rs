@@ -1,7 +1,8 @@
 //! The dicing code against plain refinement in f64, on small meshes with every kind of corner.
 
 use super::face::{Channel, FacePatch, Sides};
-use super::fan_points::{FanPoints, TangentMasks};
+use super::fan_points::FanPoints;
+use super::tangent_masks::TangentMasks;
 use super::*;
 use crate::records::Grid3;
 use crate::scheme::Boundary;

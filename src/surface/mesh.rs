@@ -1,7 +1,8 @@
 //! The mesh that is diced, of points or of face-varying values.
 
-use crate::dice::fan_points::{FanPoints, TangentMasks};
+use crate::dice::fan_points::FanPoints;
 use crate::dice::presplit::presplit;
+use crate::dice::tangent_masks::TangentMasks;
 use crate::topology::Topology;
 use crate::topology::split::{Split, split};
 

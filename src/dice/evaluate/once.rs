@@ -409,7 +409,8 @@ fn cell(origin: P4, sheet: &[P4; 32], corner: usize, spot: &Spot) -> Patch {
 mod tests {
     use super::super::{Place, QuadEvaluator};
     use super::*;
-    use crate::dice::fan_points::{FanPoints, TangentMasks};
+    use crate::dice::fan_points::FanPoints;
+    use crate::dice::tangent_masks::TangentMasks;
     use crate::topology::{ConnectOptions, Topology, connect};
 
     fn jets(channel: Channel<'_>, quads: u32) -> usize {
