@@ -1,12 +1,16 @@
 //! A scene on a device, and its pictures.
 
+use super::chunk::NamedBlock;
+use super::deciding;
 use super::device::Gpu;
 use super::error::GpuError;
+use super::flatness::{COUNT_BYTES, Counts, DeviceFlatness};
 use super::further::Further;
 use super::pipelines::{Pipelines, Stage};
+use super::plan::{Plan, plan};
 use super::read_back::{ReadBlock, read, read_floats};
 use super::ready::Ready;
-use super::records::{Frame, POINT_FLOATS, Record, words};
+use super::records::{Block, Frame, POINT_FLOATS, Record, words};
 use super::stats::{GpuFrame, GpuStats};
 use super::timer::Timer;
 use super::upload::{DeviceChunk, device_chunk, materials, point_words, textures};
@@ -32,8 +36,8 @@ struct Band {
     film: wgpu::BindGroup,
 }
 
-/// A scene whose cage, tables and blocks are on a device. Between pictures its points may move and the view change; what was decided
-/// for the view it was made for (adaptive blocks) stays.
+/// A scene whose cage, tables and blocks are on a device. Between pictures its points may move and the view change. Blocks that the device
+/// decides on follow both; what the processor decided for the view it was made for stays.
 pub struct GpuScene<'a> {
     gpu: &'a Gpu,
     pipelines: &'a Pipelines,
@@ -43,7 +47,12 @@ pub struct GpuScene<'a> {
     control_points: Vec<[f32; 3]>,
     further: Further,
     moved: bool,
+    /// Whether points of sides, and blocks, are those of the control points.
+    sided: bool,
     diced: bool,
+    /// The view that blocks are decided by, whatever is drawn, and the one that they were.
+    decided_by: Option<View>,
+    decided_for: Option<View>,
     chunks: Vec<DeviceChunk>,
     bands: Vec<Band>,
     keys: wgpu::Buffer,
@@ -64,9 +73,12 @@ impl std::fmt::Debug for GpuScene<'_> {
     }
 }
 
-/// Stages of a band that are timed, in the order of their passes. Times of the first band come first; that of `dice` is last, because
-/// pictures may go without.
+/// Stages of a band that are timed, in the order of their passes. Times of the first band come first; those of [`BEFORE`] are last,
+/// because pictures may go without.
 const TIMED: [&str; 3] = ["tile", "shade", "film"];
+
+/// Stages that only what moved and new views need.
+const BEFORE: [&str; 3] = ["dice", "flatness", "dice"];
 
 impl<'a> GpuScene<'a> {
     /// Puts `scene` on the device, as `renderer` draws it and `camera` sees it.
@@ -93,11 +105,141 @@ impl<'a> GpuScene<'a> {
         scene: &Scene,
         view: View,
     ) -> Result<Self, GpuError> {
+        if let Some(flatness) = renderer.flatness(scene) {
+            let budget = &mut Budget::new(&renderer.limits);
+            let plan = deciding::plan(renderer, scene, flatness, budget);
+            let made = plan.and_then(|plan| Self::planned(gpu, renderer, (scene, view), plan, budget));
+            match made.and_then(|mut made| Ok((made.covers()?, made))) {
+                Ok((true, made)) => return Ok(made),
+                // The processor needs less memory, and has deeper levels.
+                Ok((false, _)) | Err(GpuError::OutOfMemory { .. } | GpuError::Limit(_)) => {}
+                Err(e) => return Err(e),
+            }
+        }
+        Self::decided_by_processor(gpu, renderer, scene, view)
+    }
+
+    /// The same where the processor decides on all blocks, for this view.
+    ///
+    /// # Errors
+    /// As [`GpuScene::new`].
+    #[doc(hidden)]
+    pub fn decided_by_processor(
+        gpu: &'a Gpu,
+        renderer: &Renderer,
+        scene: &Scene,
+        view: View,
+    ) -> Result<Self, GpuError> {
         let budget = &mut Budget::new(&renderer.limits);
-        let (ready, drawn) = Ready::of(renderer, scene, &view, gpu.max_binding, budget)?;
+        let plan = plan(renderer, scene, &view, budget)?;
+        Self::planned(gpu, renderer, (scene, view), plan, budget)
+    }
+
+    fn planned(
+        gpu: &'a Gpu,
+        renderer: &Renderer,
+        (scene, view): (&Scene, View),
+        plan: Plan,
+        budget: &mut Budget<'_>,
+    ) -> Result<Self, GpuError> {
+        let (ready, drawn) = Ready::of(renderer, scene, plan, gpu.max_binding, budget)?;
         let mut made = gpu.caught(|| Self::upload(gpu, drawn, scene, view, ready, budget))?;
+        made.decided_by = renderer.decided_by;
         made.measuring(renderer.measure)?;
         Ok(made)
+    }
+
+    /// Chunks whose blocks are decided here, with the numbers of their counts.
+    fn deciding(&self) -> impl Iterator<Item = (u64, &DeviceFlatness)> {
+        (0..).zip(self.chunks.iter().filter_map(|c| c.flatness.as_ref()))
+    }
+
+    fn decides(&self) -> bool {
+        self.deciding().next().is_some()
+    }
+
+    /// Whether the device can decide on all blocks of the view that it was made for: no face asks for deeper levels than it has, and there
+    /// is room. The one look at counts without a picture.
+    fn covers(&mut self) -> Result<bool, GpuError> {
+        let gpu = self.gpu;
+        gpu.caught(|| {
+            let descriptor = wgpu::CommandEncoderDescriptor::default();
+            let mut encoder = gpu.device().create_command_encoder(&descriptor);
+            let view = self.view;
+            let mut before = Vec::new();
+            self.encode_flatness(&mut encoder, &view, &mut before)?;
+            self.copy_counts(&mut encoder);
+            gpu.queue().submit([encoder.finish()]);
+            let bytes = read(gpu, &self.staging)?;
+            if std::env::var("HACK_WGSL").is_ok() { for c in self.counts(&bytes) { eprintln!("{c:?}"); } }
+            Ok(self.counts(&bytes).all(|c| c.fits() && c.coarse == 0))
+        })
+    }
+
+    fn copy_counts(&self, encoder: &mut wgpu::CommandEncoder) {
+        for (k, flatness) in self.deciding() {
+            let at = self.image_bytes() + k * COUNT_BYTES;
+            flatness.copy_counts(encoder, &self.staging, at);
+        }
+    }
+
+    /// What came down behind a picture.
+    fn counts<'b>(&'b self, bytes: &'b [u8]) -> impl Iterator<Item = Counts> + 'b {
+        self.deciding().map(move |(k, flatness)| {
+            let at = self.image_bytes() + k * COUNT_BYTES;
+            flatness.counts(bytes.get(at as usize..).unwrap_or_default())
+        })
+    }
+
+    /// Bytes of the picture.
+    fn image_bytes(&self) -> u64 {
+        4 * u64::from(self.drawn.size.width) * u64::from(self.drawn.size.height)
+    }
+
+    /// Decides on blocks for `view`, unless they are those of it.
+    fn encode_flatness(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &View,
+        before: &mut Vec<&'static str>,
+    ) -> Result<u64, GpuError> {
+        let seen = self.decided_by.unwrap_or(*view);
+        let decided = !self.decides() || self.sided && self.decided_for == Some(seen);
+        if !self.sided {
+            let mut pass = self.pass(encoder, BEFORE[0], self.first_before());
+            for c in &self.chunks {
+                let groups = c.data.spots.div_ceil(GROUP);
+                self.pipelines.sides.run(&mut pass, &c.sides, groups);
+            }
+            before.push(BEFORE[0]);
+            self.sided = true;
+            self.diced = false;
+        }
+        if decided {
+            return Ok(0);
+        }
+        let up = self.deciding().map(|(_, f)| f.see(self.gpu, &seen)).sum();
+        self.deciding().for_each(|(_, f)| f.clear(encoder));
+        let number = self.first_before() + before.len() as u32;
+        let mut pass = self.pass(encoder, BEFORE[1], number);
+        for (_, flatness) in self.deciding() {
+            flatness.run(self.gpu, &mut pass)?;
+        }
+        drop(pass);
+        before.push(BEFORE[1]);
+        for c in &self.chunks {
+            if let Some(flatness) = &c.flatness {
+                flatness.tell(encoder, &c.phases);
+            }
+        }
+        self.decided_for = Some(seen);
+        self.diced = false;
+        Ok(up)
+    }
+
+    /// Number of the first pass of [`BEFORE`].
+    fn first_before(&self) -> u32 {
+        (self.bands.len() * TIMED.len()) as u32
     }
 
     fn upload(
@@ -162,7 +304,12 @@ impl<'a> GpuScene<'a> {
         let image_bytes = 4 * u64::from(size.width) * u64::from(size.height);
         // The picture, and its bytes as they come down.
         budget.take("the picture", 2 * u128::from(image_bytes), 0)?;
-        let staging = gpu.empty("picture", image_bytes, Usage::COPY_DST | Usage::MAP_READ)?;
+        let counts = made.iter().filter(|c| c.flatness.is_some()).count() as u64;
+        let staging = gpu.empty(
+            "picture",
+            image_bytes + counts * COUNT_BYTES,
+            Usage::COPY_DST | Usage::MAP_READ,
+        )?;
         let mut bands = Vec::new();
         for start in (0..size.height).step_by(rows as usize) {
             let end = (start + rows).min(size.height);
@@ -235,7 +382,10 @@ impl<'a> GpuScene<'a> {
             further,
             // They are there with the rest.
             moved: false,
+            sided: false,
             diced: false,
+            decided_by: None,
+            decided_for: None,
             stats,
             chunks: made,
             bands,
@@ -254,7 +404,7 @@ impl<'a> GpuScene<'a> {
     /// [`GpuError`] of the device.
     #[doc(hidden)]
     pub fn measuring(&mut self, on: bool) -> Result<(), GpuError> {
-        let stages = self.bands.len() * TIMED.len() + 1;
+        let stages = self.bands.len() * TIMED.len() + BEFORE.len();
         self.timer = match on {
             true => Timer::of_stages(self.gpu, stages as u32)?,
             false => None,
@@ -263,7 +413,7 @@ impl<'a> GpuScene<'a> {
     }
 
     /// Whether it draws through `view` what one would draw that is made for it, of the same scene by a renderer with the same settings:
-    /// whether blocks are not decided by the view, and levels are the same.
+    /// whether blocks are not decided by the view that it was made for, and levels are the same.
     ///
     /// # Errors
     /// [`GpuError::Render`]: a level or a view that there is not.
@@ -273,7 +423,8 @@ impl<'a> GpuScene<'a> {
         scene: &Scene,
         view: &View,
     ) -> Result<bool, GpuError> {
-        let fixed = !self.drawn.tessellated && self.drawn.size == view.size;
+        let follows = self.decides() && self.decided_by == renderer.decided_by;
+        let fixed = (!self.drawn.tessellated || follows) && self.drawn.size == view.size;
         Ok(fixed && renderer.levels(scene, view)? == self.stats.levels)
     }
 
@@ -338,7 +489,7 @@ impl<'a> GpuScene<'a> {
             queue.write_buffer(&self.control, 0, bytemuck::cast_slice(&words));
             stats.bytes_up += 4 * words.len() as u64;
             self.moved = false;
-            self.diced = false;
+            self.sided = false;
         }
         let mut frame = frame_record(&self.drawn, view);
         for band in &self.bands {
@@ -347,12 +498,14 @@ impl<'a> GpuScene<'a> {
             queue.write_buffer(&band.frame, 0, bytemuck::cast_slice(&words));
             stats.bytes_up += 4 * words.len() as u64;
         }
-        let mut timed = (self.bands.len() * TIMED.len()) as u32;
+        let mut before = Vec::new();
+        stats.bytes_up += self.encode_flatness(&mut encoder, view, &mut before)?;
         if !self.diced {
-            self.encode_dice(&mut encoder, timed);
+            self.encode_dice(&mut encoder, self.first_before() + before.len() as u32);
             self.diced = true;
-            timed += 1;
+            before.push(BEFORE[2]);
         }
+        let timed = self.first_before() + before.len() as u32;
         let row_bytes = 4 * u64::from(self.drawn.size.width);
         for (k, band) in self.bands.iter().enumerate() {
             self.encode_band(&mut encoder, band, (k * TIMED.len()) as u32);
@@ -360,7 +513,8 @@ impl<'a> GpuScene<'a> {
             encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, start, end - start);
         }
         stats.read_backs += 1;
-        stats.bytes_down += row_bytes * u64::from(self.drawn.size.height);
+        self.copy_counts(&mut encoder);
+        stats.bytes_down += self.image_bytes() + COUNT_BYTES * self.deciding().count() as u64;
         if let Some(timer) = &self.timer {
             timer.resolve(&mut encoder, timed);
         }
@@ -368,8 +522,9 @@ impl<'a> GpuScene<'a> {
         let bytes = read(self.gpu, &self.staging)?;
         stats.wall = begin.elapsed();
         if let Some(timer) = &self.timer {
-            stats.stages = self.by_stage(&timer.read(self.gpu, timed)?);
+            stats.stages = self.by_stage(&timer.read(self.gpu, timed)?, &before);
         }
+        self.count(&bytes, &mut stats)?;
         let mut image = Image::new(self.drawn.size.width, self.drawn.size.height);
         let length = image.data.len();
         image.data.copy_from_slice(&bytes[..length]);
@@ -382,10 +537,37 @@ impl<'a> GpuScene<'a> {
         })
     }
 
-    /// Times of stages: of all bands together, and of `dice` where there is one more.
-    fn by_stage(&self, times: &[Duration]) -> Vec<(&'static str, Duration)> {
-        let (bands, dice) = times.split_at(self.bands.len() * TIMED.len());
-        let mut out: Vec<_> = dice.iter().map(|&time| ("dice", time)).collect();
+    /// Takes counts that came with the picture. A picture for which there was no room is none.
+    fn count(&self, bytes: &[u8], stats: &mut GpuStats) -> Result<(), GpuError> {
+        for (level, counts) in stats.levels.iter_mut().zip(self.counts(bytes)) {
+            if !counts.fits() {
+                return Err(GpuError::OutOfMemory {
+                    what: "the blocks that this view asks for",
+                });
+            }
+            *level = counts.deepest;
+            stats.microtriangles += 2 * u64::from(counts.quads);
+            stats.coarse += u64::from(counts.coarse);
+            stats.decides = true;
+        }
+        Ok(())
+    }
+
+    /// Times of stages: of all bands together, and of those `before` that there were.
+    fn by_stage(
+        &self,
+        times: &[Duration],
+        before: &[&'static str],
+    ) -> Vec<(&'static str, Duration)> {
+        let (bands, own) = times.split_at(self.bands.len() * TIMED.len());
+        let mut out = Vec::new();
+        for name in ["flatness", "dice"] {
+            let times = before.iter().zip(own).filter(|(b, _)| **b == name);
+            let mut times = times.map(|(_, time)| *time).peekable();
+            if times.peek().is_some() {
+                out.push((name, times.sum()));
+            }
+        }
         for (k, name) in TIMED.into_iter().enumerate() {
             out.push((name, bands.iter().skip(k).step_by(TIMED.len()).sum()));
         }
@@ -405,13 +587,23 @@ impl<'a> GpuScene<'a> {
     }
 
     fn encode_dice(&self, encoder: &mut wgpu::CommandEncoder, number: u32) {
-        let mut pass = self.pass(encoder, "dice", number);
+        let mut pass = self.pass(encoder, BEFORE[2], number);
         for c in &self.chunks {
-            let groups = c.data.spots.div_ceil(GROUP);
-            self.pipelines.sides.run(&mut pass, &c.sides, groups);
-            self.pipelines
-                .inside
-                .run(&mut pass, &c.inside, c.data.blocks);
+            self.by_block(&self.pipelines.inside, &mut pass, &c.inside, c);
+        }
+    }
+
+    /// Runs a stage with a workgroup for each block of a chunk.
+    fn by_block(
+        &self,
+        stage: &Stage,
+        pass: &mut wgpu::ComputePass<'_>,
+        bindings: &wgpu::BindGroup,
+        c: &DeviceChunk,
+    ) {
+        match &c.flatness {
+            Some(flatness) => flatness.dispatch(stage, pass, bindings),
+            None => stage.run(pass, bindings, c.data.blocks),
         }
     }
 
@@ -428,7 +620,7 @@ impl<'a> GpuScene<'a> {
         let phases = self.chunks.first().map_or(0, |c| c.phases.len());
         for phase in 0..phases {
             for (k, c) in self.chunks.iter().enumerate() {
-                p.tile.run(&mut pass, &band.tile[k][phase], c.data.blocks);
+                self.by_block(&p.tile, &mut pass, &band.tile[k][phase], c);
                 p.large.run(&mut pass, &band.large[k][phase], LARGE_GROUPS);
             }
         }
@@ -444,6 +636,26 @@ impl<'a> GpuScene<'a> {
         p.film.run(&mut pass, &band.film, groups);
     }
 
+    /// Which blocks a chunk has; those that the device decided on are read back.
+    fn named(&self, c: &DeviceChunk) -> Result<Vec<NamedBlock>, GpuError> {
+        let Some(flatness) = &c.flatness else {
+            return Ok(c.named.clone());
+        };
+        let count = read_floats(self.gpu, flatness.totals(), COUNT_BYTES)?[0].to_bits();
+        let floats = read_floats(self.gpu, &c.blocks, u64::from(count) * Block::SIZE as u64)?;
+        let words = floats.chunks_exact(Block::SIZE / 4);
+        let named = words.take(count as usize).map(|w| {
+            let [face, x, y, step, log, base] = [0, 1, 2, 3, 4, 5].map(|k: usize| w[k].to_bits());
+            NamedBlock {
+                quad: face,
+                start: [x / step.max(1), y / step.max(1)],
+                log,
+                base: base - c.data.spots,
+            }
+        });
+        Ok(named.collect())
+    }
+
     /// The diced points of all blocks, read back for tests. Nothing before the first picture.
     ///
     /// # Errors
@@ -455,7 +667,7 @@ impl<'a> GpuScene<'a> {
             let bytes = 4 * u64::from(POINT_FLOATS) * u64::from(c.data.points);
             let floats = read_floats(self.gpu, &c.points, bytes)?;
             let points = floats.as_chunks::<{ POINT_FLOATS as usize }>().0;
-            for b in &c.named {
+            for b in &self.named(c)? {
                 let side = (1 << b.log) + 1;
                 let first = (b.base + c.data.spots) as usize;
                 out.push(ReadBlock {

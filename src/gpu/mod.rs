@@ -43,6 +43,8 @@ mod chunk;
 #[cfg(feature = "gpu")]
 mod corners;
 #[cfg(feature = "gpu")]
+mod deciding;
+#[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
 mod dicer;
@@ -52,6 +54,8 @@ mod draw;
 mod error;
 #[cfg(feature = "gpu")]
 mod face;
+#[cfg(feature = "gpu")]
+mod flatness;
 #[cfg(feature = "gpu")]
 mod further;
 #[cfg(feature = "gpu")]

@@ -21,6 +21,10 @@ pub struct GpuStats {
     pub bytes_down: u64,
     /// Buffers that were read back.
     pub read_backs: u32,
+    /// Whether blocks were decided on the device, for the view that was drawn.
+    pub decides: bool,
+    /// Faces and edges that ask for more than the deepest level that the device decides on, and are drawn at that.
+    pub coarse: u64,
     /// Chunks of blocks.
     pub chunks: u32,
     /// Bands of rows that the picture was drawn in.
