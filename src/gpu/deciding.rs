@@ -77,7 +77,10 @@ pub(super) fn plan(
 }
 
 /// The weights of the control points of a face's quads where they are B-splines, row by row for each local vertex; nothing of others.
-pub(super) fn nets(whole: &Surface, shape: &Surroundings) -> Result<Vec<Option<Vec<f32>>>, GpuError> {
+pub(super) fn nets(
+    whole: &Surface,
+    shape: &Surroundings,
+) -> Result<Vec<Option<Vec<f32>>>, GpuError> {
     let mut surface = shape.surface(whole);
     let count = shape.vertices.len();
     let subs = if whole.is_split() { shape.size() } else { 1 };
@@ -161,7 +164,11 @@ impl Builder {
             return Err(TOO_LARGE);
         }
         let spot_bytes = u128::from(spots) * Spot::SIZE as u128;
-        budget.take("the chunks of the GPU backend", u128::from(weights) + spot_bytes, 0)?;
+        budget.take(
+            "the chunks of the GPU backend",
+            u128::from(weights) + spot_bytes,
+            0,
+        )?;
         self.data.shown = Some(dicer.shown);
         self.data.look = dicer.look;
         self.data.color_width = dicer.color_width();
@@ -251,7 +258,10 @@ impl Builder {
     fn net(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
         let of = dicer.table(quad)?;
         let sub = dicer.sub(quad);
-        let found = dicer.nets.get(of.number as usize).and_then(|n| n.get(sub as usize));
+        let found = dicer
+            .nets
+            .get(of.number as usize)
+            .and_then(|n| n.get(sub as usize));
         let Some(Some(net)) = found else {
             return Ok(NONE);
         };

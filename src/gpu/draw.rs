@@ -77,8 +77,13 @@ impl std::fmt::Debug for GpuScene<'_> {
 /// because pictures may go without.
 const TIMED: [&str; 3] = ["tile", "shade", "film"];
 
-/// Stages that only what moved and new views need.
-const BEFORE: [&str; 3] = ["dice", "flatness", "dice"];
+/// Stages that only new views and moved points need.
+const BEFORE: [&str; 2] = [FLATNESS, DICE];
+const FLATNESS: &str = "flatness";
+const DICE: &str = "dice";
+
+/// Most passes of [`BEFORE`]: sides are diced first, what is inside last.
+const MOST_BEFORE: usize = 3;
 
 impl<'a> GpuScene<'a> {
     /// Puts `scene` on the device, as `renderer` draws it and `camera` sees it.
@@ -108,7 +113,8 @@ impl<'a> GpuScene<'a> {
         if let Some(flatness) = renderer.flatness(scene) {
             let budget = &mut Budget::new(&renderer.limits);
             let plan = deciding::plan(renderer, scene, flatness, budget);
-            let made = plan.and_then(|plan| Self::planned(gpu, renderer, (scene, view), plan, budget));
+            let made =
+                plan.and_then(|plan| Self::planned(gpu, renderer, (scene, view), plan, budget));
             match made.and_then(|mut made| Ok((made.covers()?, made))) {
                 Ok((true, made)) => return Ok(made),
                 // The processor needs less memory, and has deeper levels.
@@ -158,8 +164,8 @@ impl<'a> GpuScene<'a> {
         self.deciding().next().is_some()
     }
 
-    /// Whether the device can decide on all blocks of the view that it was made for: no face asks for deeper levels than it has, and there
-    /// is room. The one look at counts without a picture.
+    /// Whether the device can decide on all blocks of the view that it was made for: nothing that asks for deeper levels than it has falls
+    /// short of them by much, and there is room. The one look at counts without a picture.
     fn covers(&mut self) -> Result<bool, GpuError> {
         let gpu = self.gpu;
         gpu.caught(|| {
@@ -171,8 +177,7 @@ impl<'a> GpuScene<'a> {
             self.copy_counts(&mut encoder);
             gpu.queue().submit([encoder.finish()]);
             let bytes = read(gpu, &self.staging)?;
-            if std::env::var("HACK_WGSL").is_ok() { for c in self.counts(&bytes) { eprintln!("{c:?}"); } }
-            Ok(self.counts(&bytes).all(|c| c.fits() && c.coarse == 0))
+            Ok(self.counts(&bytes).all(|c| c.fits() && !c.falls_short()))
         })
     }
 
@@ -206,12 +211,12 @@ impl<'a> GpuScene<'a> {
         let seen = self.decided_by.unwrap_or(*view);
         let decided = !self.decides() || self.sided && self.decided_for == Some(seen);
         if !self.sided {
-            let mut pass = self.pass(encoder, BEFORE[0], self.first_before());
+            let mut pass = self.pass(encoder, DICE, self.first_before());
             for c in &self.chunks {
                 let groups = c.data.spots.div_ceil(GROUP);
                 self.pipelines.sides.run(&mut pass, &c.sides, groups);
             }
-            before.push(BEFORE[0]);
+            before.push(DICE);
             self.sided = true;
             self.diced = false;
         }
@@ -221,12 +226,12 @@ impl<'a> GpuScene<'a> {
         let up = self.deciding().map(|(_, f)| f.see(self.gpu, &seen)).sum();
         self.deciding().for_each(|(_, f)| f.clear(encoder));
         let number = self.first_before() + before.len() as u32;
-        let mut pass = self.pass(encoder, BEFORE[1], number);
+        let mut pass = self.pass(encoder, FLATNESS, number);
         for (_, flatness) in self.deciding() {
             flatness.run(self.gpu, &mut pass)?;
         }
         drop(pass);
-        before.push(BEFORE[1]);
+        before.push(FLATNESS);
         for c in &self.chunks {
             if let Some(flatness) = &c.flatness {
                 flatness.tell(encoder, &c.phases);
@@ -404,7 +409,7 @@ impl<'a> GpuScene<'a> {
     /// [`GpuError`] of the device.
     #[doc(hidden)]
     pub fn measuring(&mut self, on: bool) -> Result<(), GpuError> {
-        let stages = self.bands.len() * TIMED.len() + BEFORE.len();
+        let stages = self.bands.len() * TIMED.len() + MOST_BEFORE;
         self.timer = match on {
             true => Timer::of_stages(self.gpu, stages as u32)?,
             false => None,
@@ -503,7 +508,7 @@ impl<'a> GpuScene<'a> {
         if !self.diced {
             self.encode_dice(&mut encoder, self.first_before() + before.len() as u32);
             self.diced = true;
-            before.push(BEFORE[2]);
+            before.push(DICE);
         }
         let timed = self.first_before() + before.len() as u32;
         let row_bytes = 4 * u64::from(self.drawn.size.width);
@@ -548,6 +553,7 @@ impl<'a> GpuScene<'a> {
             *level = counts.deepest;
             stats.microtriangles += 2 * u64::from(counts.quads);
             stats.coarse += u64::from(counts.coarse);
+            stats.falls_short |= counts.falls_short();
             stats.decides = true;
         }
         Ok(())
@@ -561,7 +567,7 @@ impl<'a> GpuScene<'a> {
     ) -> Vec<(&'static str, Duration)> {
         let (bands, own) = times.split_at(self.bands.len() * TIMED.len());
         let mut out = Vec::new();
-        for name in ["flatness", "dice"] {
+        for name in BEFORE {
             let times = before.iter().zip(own).filter(|(b, _)| **b == name);
             let mut times = times.map(|(_, time)| *time).peekable();
             if times.peek().is_some() {
@@ -587,7 +593,7 @@ impl<'a> GpuScene<'a> {
     }
 
     fn encode_dice(&self, encoder: &mut wgpu::CommandEncoder, number: u32) {
-        let mut pass = self.pass(encoder, BEFORE[2], number);
+        let mut pass = self.pass(encoder, DICE, number);
         for c in &self.chunks {
             self.by_block(&self.pipelines.inside, &mut pass, &c.inside, c);
         }

@@ -17,6 +17,10 @@ use crate::tessellate::Flatness;
 use crate::tessellate::flatness::Numbers;
 use wgpu::BufferUsages as Usage;
 
+/// How many times what is allowed the last step of samples may add where more is asked for than there is. Each step adds a quarter of the
+/// one before, or at an irregular corner half.
+const SHORT: f32 = 2.0;
+
 /// Words of the counts of a chunk.
 const TOTALS: usize = 8;
 
@@ -80,7 +84,7 @@ pub(super) struct DeviceFlatness {
 }
 
 /// What there is of a chunk.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Counts {
     /// Blocks, if there is room for all.
     pub(super) drawn: u32,
@@ -90,9 +94,16 @@ pub(super) struct Counts {
     pub(super) coarse: u32,
     /// Deepest level of the cage's faces.
     pub(super) deepest: u32,
+    /// The most that the last step adds there, in thousandths of what is allowed.
+    missing: u32,
 }
 
 impl Counts {
+    /// Whether that is more than can be left out.
+    pub(super) fn falls_short(&self) -> bool {
+        self.missing as f32 > 1000.0 * SHORT
+    }
+
     /// Whether there was room for all that the view asks for.
     pub(super) fn fits(&self) -> bool {
         self.drawn == self.blocks
@@ -163,12 +174,7 @@ impl DeviceFlatness {
                 .bind(gpu, &[(13, &counts), (17, &room), (18, &parts)]),
             p.scan_parts.bind(
                 gpu,
-                &[
-                    (10, &totals),
-                    (17, &room),
-                    (18, &parts),
-                    (19, &dispatched),
-                ],
+                &[(10, &totals), (17, &room), (18, &parts), (19, &dispatched)],
             ),
             p.scan_faces.bind(
                 gpu,
@@ -188,7 +194,9 @@ impl DeviceFlatness {
                 ],
             ),
         ];
-        let all = [&patches, &edge_list, &nodes, &trees, &counts, &offsets, &parts];
+        let all = [
+            &patches, &edge_list, &nodes, &trees, &counts, &offsets, &parts,
+        ];
         Ok(Self {
             flatness: data.flatness,
             split: data.split,
@@ -297,6 +305,7 @@ impl DeviceFlatness {
             quads: word(4),
             coarse: word(5),
             deepest: word(6) + self.split,
+            missing: word(7),
         }
     }
 }

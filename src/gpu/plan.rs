@@ -8,8 +8,8 @@ use crate::dice::FacePatch;
 use crate::frame::{Drawing, Object, Renderer, Scene, leaf_triangles};
 use crate::limits::Budget;
 use crate::patch::PatchKind;
-use crate::scheme::Scheme;
 use crate::records::ScreenSize;
+use crate::scheme::Scheme;
 use crate::tessellate::{Flatness, Tessellation};
 use crate::topology::NONE;
 

@@ -55,6 +55,8 @@ pub const PATCH_SPLIT: u32 = 64;
 pub const EDGE_BACK: u32 = 16;
 /// Words of a face's quadtree: the number of its nodes, and as many as there can be, of three depths below the face.
 pub(super) const NODE_WORDS: u32 = 1 + 85;
+/// Triangles whose normals may be further off where samples ask for more levels than there are, in pixels.
+const FEW_PIXELS: f32 = 4.0;
 /// Faces whose sums are taken by one workgroup.
 pub(super) const PART: u32 = 16 * GROUP;
 
@@ -140,6 +142,7 @@ fn numbers() -> String {
         ("SMALLEST", f32::MIN_POSITIVE),
         ("INFINITE", INFINITE_SHARPNESS),
         ("SCREEN_MARGIN", SCREEN_MARGIN),
+        ("FEW_PIXELS", FEW_PIXELS),
         ("BOUND_SHARE", numbers::BOUND_SHARE),
         ("ROUGH", numbers::ROUGH),
         ("DOT", numbers::DOT),

@@ -42,6 +42,9 @@ fn edge_point(e: Edge, k: u32) -> Seen {
     return spot_at(on_side(faces[e.first], c, k, n));
 }
 
+// The most that the last step of its samples adds, of what asks for more.
+var<private> missing: f32;
+
 // What step `k` adds to segment `i`.
 fn of_segment(e: Edge, k: u32, i: u32) -> Added {
     let up = BLOCK_BITS - k;
@@ -51,6 +54,7 @@ fn of_segment(e: Edge, k: u32, i: u32) -> Added {
 // What the edge's own curve asks for by `2^log` samples; whether more of them would show more.
 fn own_splits(e: Edge, log: u32, splits: ptr<function, u32>) -> bool {
     *splits = 0u;
+    missing = 0.0;
     var front = 1u;
     for (var depth = 0u; depth < metric.max_level; depth++) {
         if depth >= log {
@@ -65,7 +69,11 @@ fn own_splits(e: Edge, log: u32, splits: ptr<function, u32>) -> bool {
             if depth + 1u < log {
                 later = most_added(of_segment(e, depth + 1u, 2u * i), of_segment(e, depth + 1u, 2u * i + 1u));
             }
-            if is_far(of_segment(e, depth, i), later, 1.0) {
+            let found = of_segment(e, depth, i);
+            if is_far(found, later, 1.0) {
+                if depth + 1u == log {
+                    missing = max(missing, shortfall(found));
+                }
                 *splits |= 1u << ((1u << depth) + i);
                 next |= 3u << (2u * i);
             }
@@ -93,6 +101,7 @@ fn edges_of_faces(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
         if own_splits(e, 3u, &own) && own_splits(e, BLOCK_BITS, &own) {
             // As deep as there is.
             atomicAdd(&totals[TOTAL_DEEPER], 1u);
+            atomicMax(&totals[TOTAL_MISSING], u32(min(missing, 1000.0) * 1000.0));
         }
         splits |= own;
     }

@@ -319,7 +319,7 @@ fn cut(face: u32) {
     var stack: array<u32, 16>;
     var count = 1u;
     var high = 1u;
-    var missing = 0u;
+    var missing = 0.0;
     stack[0] = 0u;
     nodes[base + 1u] = node_of(0u, 0u, 0u, 0u);
     while high > 0u {
@@ -337,7 +337,10 @@ fn cut(face: u32) {
         if depth >= RESAMPLED {
             // As deep as there is.
             nodes[base + 1u + number] = node_of(depth, place.x, place.y, BLOCK_BITS);
-            missing = 1u;
+            for (var k = 0u; k < 4u; k++) {
+                let last = cell(KEPT, 2u * place.x + (k & 1u), 2u * place.y + (k >> 1u));
+                missing = max(missing, shortfall(last));
+            }
             continue;
         }
         nodes[base + 1u + number] = node & ~NODE_LEAF;
@@ -349,8 +352,9 @@ fn cut(face: u32) {
         high += 4u;
     }
     nodes[base] = count;
-    if missing > 0u {
+    if missing > 0.0 {
         atomicAdd(&totals[TOTAL_DEEPER], 1u);
+        atomicMax(&totals[TOTAL_MISSING], u32(min(missing, 1000.0) * 1000.0));
     }
 }
 

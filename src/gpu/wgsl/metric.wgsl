@@ -67,6 +67,11 @@ fn of_length(a: Added, length: f32) -> f32 {
     return select(a.far, max(a.far, a.bend), length > DOT);
 }
 
+// What a last step adds that is not followed by those that it asks for: normals of triangles of a few pixels do not show.
+fn shortfall(a: Added) -> f32 {
+    return select(a.far, max(a.far, a.bend), a.length > FEW_PIXELS);
+}
+
 // Whether triangles are too far that lack this step and the next one; later ones add `more` times as much as is to be expected.
 fn is_far(own: Added, next: Added, more: f32) -> bool {
     let bent = own.length > DOT && more * (0.5 * own.bend + next.bend) > 1.0;

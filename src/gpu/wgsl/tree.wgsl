@@ -8,6 +8,8 @@ const TOTAL_DRAWN = 0u;
 const TOTAL_BLOCKS = 1u;
 const TOTAL_DEEPER = 5u;
 const TOTAL_DEEPEST = 6u;
+// The most that the last step adds where more is asked for, in thousandths of what is allowed.
+const TOTAL_MISSING = 7u;
 
 // A leaf: its depth and place, and the level that it needs, which is its own at first.
 fn node_of(depth: u32, x: u32, y: u32, need: u32) -> u32 {
