@@ -177,7 +177,9 @@ impl<'a> GpuScene<'a> {
             self.copy_counts(&mut encoder);
             gpu.queue().submit([encoder.finish()]);
             let bytes = read(gpu, &self.staging)?;
-            Ok(self.counts(&bytes).all(|c| c.fits() && !c.falls_short()))
+            Ok(self
+                .counts(&bytes)
+                .all(|c| c.fits() && !c.falls_short(self.drawn.mode)))
         })
     }
 
@@ -551,9 +553,9 @@ impl<'a> GpuScene<'a> {
                 });
             }
             *level = counts.deepest;
-            stats.microtriangles += 2 * u64::from(counts.quads);
+            stats.microtriangles += counts.triangles;
             stats.coarse += u64::from(counts.coarse);
-            stats.falls_short |= counts.falls_short();
+            stats.falls_short |= counts.falls_short(self.drawn.mode);
             stats.decides = true;
         }
         Ok(())

@@ -13,6 +13,7 @@ use super::records::{Block, Metric, Move, Record, words};
 use super::upload::uniform;
 use super::wgsl::{self, GROUP, NODE_WORDS};
 use crate::camera::View;
+use crate::shade::ShadeMode;
 use crate::tessellate::Flatness;
 use crate::tessellate::flatness::Numbers;
 use wgpu::BufferUsages as Usage;
@@ -89,7 +90,8 @@ pub(super) struct Counts {
     /// Blocks, if there is room for all.
     pub(super) drawn: u32,
     pub(super) blocks: u32,
-    pub(super) quads: u32,
+    /// Micro-triangles with an area: a point that moves takes the edge behind it away.
+    pub(super) triangles: u64,
     /// Faces and edges that ask for more levels than there are.
     pub(super) coarse: u32,
     /// Deepest level of the cage's faces.
@@ -99,9 +101,9 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    /// Whether that is more than can be left out.
-    pub(super) fn falls_short(&self) -> bool {
-        self.missing as f32 > 1000.0 * SHORT
+    /// Whether that is more than can be left out of a picture; of one that shows levels, nothing can.
+    pub(super) fn falls_short(&self, mode: ShadeMode) -> bool {
+        self.missing as f32 > 1000.0 * SHORT || self.coarse > 0 && mode == ShadeMode::Level
     }
 
     /// Whether there was room for all that the view asks for.
@@ -302,7 +304,7 @@ impl DeviceFlatness {
         Counts {
             drawn: word(0),
             blocks: word(1),
-            quads: word(4),
+            triangles: (2 * u64::from(word(4))).saturating_sub(word(3).into()),
             coarse: word(5),
             deepest: word(6) + self.split,
             missing: word(7),

@@ -26,7 +26,7 @@
 //!
 //! Its deepest level is that of one block, 5 of a quad. What asks for more (seldom more than the corners of a few faces) is drawn at
 //! that and counted; where it would be off by more than twice what is allowed, in pixels or in normals of triangles of more than 4
-//! pixels, or where the tables of weights do not fit, a scene is made with the blocks that the processor decides on for its view. Unlike there,
+//! pixels, or is to be seen by its levels, or where the tables of weights do not fit, a scene is made with the blocks that the processor decides on for its view. Unlike there,
 //! parts of a face beyond the sides of the picture are not looked for: they are as fine as the rest.
 //!
 //! # Dicing

@@ -39,7 +39,7 @@ pub(super) fn module(gpu: &Gpu, source: &Source) -> wgpu::ShaderModule {
     gpu.device()
         .create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(source.name),
-            source: wgpu::ShaderSource::Wgsl(hack(&source.text).into()),
+            source: wgpu::ShaderSource::Wgsl(source.text.as_str().into()),
         })
 }
 
@@ -88,26 +88,4 @@ impl Stage {
         pass.set_bind_group(0, bindings, &[]);
         pass.dispatch_workgroups(groups.min(ACROSS), groups.div_ceil(ACROSS), 1);
     }
-}
-
-fn hack(text: &str) -> String {
-    let mut text = text.to_owned();
-    if let Ok(dir) = std::env::var("HACK_WGSL") {
-        for (name, old) in [
-            ("evaluate", include_str!("wgsl/evaluate.wgsl")),
-            ("metric", include_str!("wgsl/metric.wgsl")),
-            ("tree", include_str!("wgsl/tree.wgsl")),
-            ("closed", include_str!("wgsl/closed.wgsl")),
-            ("flatness", include_str!("wgsl/flatness.wgsl")),
-            ("edges", include_str!("wgsl/edges.wgsl")),
-            ("blocks", include_str!("wgsl/blocks.wgsl")),
-            ("scan", include_str!("wgsl/scan.wgsl")),
-        ] {
-            if text.contains(old) {
-                let new = std::fs::read_to_string(format!("{dir}/{name}.wgsl")).unwrap();
-                text = text.replacen(old, &new, 1);
-            }
-        }
-    }
-    text
 }

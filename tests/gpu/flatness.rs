@@ -298,7 +298,7 @@ fn blocks_follow_the_view_and_the_points() {
     assert!(first.stats.decides && ready.serves(&renderer, &scene, &views[1]).unwrap());
     let second = ready.draw_view(&views[1]).unwrap();
     let again = ready.draw_view(&views[1]).unwrap();
-    assert!(second.stats.microtriangles > 2 * first.stats.microtriangles);
+    assert!(second.stats.microtriangles > first.stats.microtriangles);
     assert_eq!(second.image.data, made(&scene, views[1]).image.data);
     assert_eq!(again.image.data, second.image.data);
     // Up goes the view, for the picture and for deciding; down come the picture and a few counts.
