@@ -248,7 +248,7 @@ fn tessellated_pictures_are_the_processors() {
             match got.stats.coarse {
                 0 => assert_eq!(own, other),
                 // A few corners are as deep as the device has levels.
-                coarse => assert!(coarse < 100 && own.abs_diff(*other) * 50 < *other, "{own}"),
+                coarse => assert!(coarse < 100 && own.abs_diff(*other) * 10 < *other, "{own}"),
             }
             check(&format!("{what}_{name}"), &got.image, &want.image);
             run += 1;
