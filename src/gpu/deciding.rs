@@ -4,7 +4,7 @@ use super::chunk::{ALIGNED, Builder};
 use super::dicer::Dicer;
 use super::error::GpuError;
 use super::plan::{ObjectPlan, Plan, check};
-use super::records::{Edge, Patch, Record, Room, Spot};
+use super::records::{Block, Edge, Move, POINT_FLOATS, Patch, Record, Room, Spot};
 use super::surroundings::Surroundings;
 use super::tables::Table;
 use super::wgsl::{BLOCK_BITS, EDGE_BACK, NODE_WORDS, PART, PATCH_DRAWN, PATCH_PLAIN, PATCH_SPLIT};
@@ -116,18 +116,22 @@ pub(super) fn nets(
 
 /// What there is room for, in buffers of at most `limit` bytes.
 fn room(size: ScreenSize, faces: u64, edges: u64, spots: u64, limit: u64) -> Room {
+    let point_bytes = 4 * u64::from(POINT_FLOATS);
     let pixels = u64::from(size.width) * u64::from(size.height);
-    let fit = |count: u64, bytes: u64| count.min(limit / bytes) as u32;
+    let fit = |count: u64, bytes: usize| count.min(limit / bytes as u64) as u32;
     // All that the deepest blocks of all faces take, if that is little; else what pictures ask for, and as much again.
     let side = u64::from(1_u32 << (REACH - 3)) + 1;
     let points = (MOST_BLOCKS * side * side * faces).min(64 * faces + 4 * pixels + (1 << 20));
-    let points = points.min((limit / 24).saturating_sub(spots));
+    let points = points.min((limit / point_bytes).saturating_sub(spots));
     let moves = (16 * MOST_BLOCKS * faces).min(32 * faces + 8 * edges + (1 << 16));
     Room {
-        blocks: fit((MOST_BLOCKS * faces).min(8 * faces + (1 << 16)), 48),
+        blocks: fit(
+            (MOST_BLOCKS * faces).min(8 * faces + (1 << 16)),
+            Block::SIZE,
+        ),
         points: points as u32,
-        moves: fit(moves, 16),
-        quads: fit(points, 4),
+        moves: fit(moves, Move::SIZE),
+        quads: fit(points, size_of::<u32>()),
         spots: spots as u32,
         faces: faces as u32,
         parts: faces.div_ceil(PART.into()) as u32,
@@ -227,6 +231,12 @@ impl Builder {
         let edges: Vec<Edge> = (0..edges as u32).map(edge).collect();
         let spots = self.data.spots.len() as u64;
         let mut room = room(size, faces as u64, edges.len() as u64, spots, self.limit);
+        // Ids number blocks, and a row, a column and a half of each.
+        let most = (u32::MAX >> (2 * BLOCK_BITS + 1)).saturating_sub(self.data.first_rank);
+        room.blocks = room.blocks.min(most);
+        if room.blocks == 0 && faces > 0 {
+            return Err(TOO_LARGE);
+        }
         if let Some(most) = budget.limits().max_faces {
             room.quads = u64::from(room.quads).min(most) as u32;
         }
@@ -237,9 +247,8 @@ impl Builder {
             edges,
             room,
         };
-        let floats = u64::from(super::records::POINT_FLOATS);
         let largest = [
-            4 * floats * spots,
+            4 * u64::from(POINT_FLOATS) * spots,
             4 * self.data.weights.len() as u64,
             4 * self.data.gathers.len() as u64,
             4 * u64::from(NODE_WORDS) * faces as u64,

@@ -1,16 +1,15 @@
 //! A scene on a device, and its pictures.
 
-use super::chunk::NamedBlock;
 use super::deciding;
 use super::device::Gpu;
 use super::error::GpuError;
-use super::flatness::{COUNT_BYTES, Counts, DeviceFlatness};
+use super::flatness::COUNT_BYTES;
 use super::further::Further;
 use super::pipelines::{Pipelines, Stage};
 use super::plan::{Plan, plan};
 use super::read_back::{ReadBlock, read, read_floats};
 use super::ready::Ready;
-use super::records::{Block, Frame, POINT_FLOATS, Record, words};
+use super::records::{Frame, POINT_FLOATS, Record, words};
 use super::stats::{GpuFrame, GpuStats};
 use super::timer::Timer;
 use super::upload::{DeviceChunk, device_chunk, materials, point_words, textures};
@@ -26,7 +25,7 @@ use wgpu::BufferUsages as Usage;
 /// Workgroups that share the list of large quads.
 const LARGE_GROUPS: u32 = 1024;
 
-struct Band {
+pub(super) struct Band {
     rows: [u32; 2],
     frame: wgpu::Buffer,
     /// Per chunk and pass.
@@ -39,28 +38,28 @@ struct Band {
 /// A scene whose cage, tables and blocks are on a device. Between pictures its points may move and the view change. Blocks that the device
 /// decides on follow both; what the processor decided for the view it was made for stays.
 pub struct GpuScene<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'a Pipelines,
-    drawn: Drawn,
-    view: View,
+    pub(super) gpu: &'a Gpu,
+    pub(super) pipelines: &'a Pipelines,
+    pub(super) drawn: Drawn,
+    pub(super) view: View,
     control: wgpu::Buffer,
     control_points: Vec<[f32; 3]>,
     further: Further,
     moved: bool,
     /// Whether points of sides, and blocks, are those of the control points.
-    sided: bool,
-    diced: bool,
+    pub(super) sided: bool,
+    pub(super) diced: bool,
     /// The view that blocks are decided by, whatever is drawn, and the one that they were.
-    decided_by: Option<View>,
-    decided_for: Option<View>,
-    chunks: Vec<DeviceChunk>,
-    bands: Vec<Band>,
+    pub(super) decided_by: Option<View>,
+    pub(super) decided_for: Option<View>,
+    pub(super) chunks: Vec<DeviceChunk>,
+    pub(super) bands: Vec<Band>,
     keys: wgpu::Buffer,
     sums: wgpu::Buffer,
     /// A band of the picture.
     image: wgpu::Buffer,
     /// The whole picture, on its way down.
-    staging: wgpu::Buffer,
+    pub(super) staging: wgpu::Buffer,
     timer: Option<Timer>,
     stats: GpuStats,
 }
@@ -75,12 +74,12 @@ impl std::fmt::Debug for GpuScene<'_> {
 
 /// Stages of a band that are timed, in the order of their passes. Times of the first band come first; those of [`BEFORE`] are last,
 /// because pictures may go without.
-const TIMED: [&str; 3] = ["tile", "shade", "film"];
+pub(super) const TIMED: [&str; 3] = ["tile", "shade", "film"];
 
 /// Stages that only new views and moved points need.
 const BEFORE: [&str; 2] = [FLATNESS, DICE];
-const FLATNESS: &str = "flatness";
-const DICE: &str = "dice";
+pub(super) const FLATNESS: &str = "flatness";
+pub(super) const DICE: &str = "dice";
 
 /// Most passes of [`BEFORE`]: sides are diced first, what is inside last.
 const MOST_BEFORE: usize = 3;
@@ -153,100 +152,6 @@ impl<'a> GpuScene<'a> {
         made.decided_by = renderer.decided_by;
         made.measuring(renderer.measure)?;
         Ok(made)
-    }
-
-    /// Chunks whose blocks are decided here, with the numbers of their counts.
-    fn deciding(&self) -> impl Iterator<Item = (u64, &DeviceFlatness)> {
-        (0..).zip(self.chunks.iter().filter_map(|c| c.flatness.as_ref()))
-    }
-
-    fn decides(&self) -> bool {
-        self.deciding().next().is_some()
-    }
-
-    /// Whether the device can decide on all blocks of the view that it was made for: nothing that asks for deeper levels than it has falls
-    /// short of them by much, and there is room. The one look at counts without a picture.
-    fn covers(&mut self) -> Result<bool, GpuError> {
-        let gpu = self.gpu;
-        gpu.caught(|| {
-            let descriptor = wgpu::CommandEncoderDescriptor::default();
-            let mut encoder = gpu.device().create_command_encoder(&descriptor);
-            let view = self.view;
-            let mut before = Vec::new();
-            self.encode_flatness(&mut encoder, &view, &mut before)?;
-            self.copy_counts(&mut encoder);
-            gpu.queue().submit([encoder.finish()]);
-            let bytes = read(gpu, &self.staging)?;
-            Ok(self
-                .counts(&bytes)
-                .all(|c| c.fits() && !c.falls_short(self.drawn.mode)))
-        })
-    }
-
-    fn copy_counts(&self, encoder: &mut wgpu::CommandEncoder) {
-        for (k, flatness) in self.deciding() {
-            let at = self.image_bytes() + k * COUNT_BYTES;
-            flatness.copy_counts(encoder, &self.staging, at);
-        }
-    }
-
-    /// What came down behind a picture.
-    fn counts<'b>(&'b self, bytes: &'b [u8]) -> impl Iterator<Item = Counts> + 'b {
-        self.deciding().map(move |(k, flatness)| {
-            let at = self.image_bytes() + k * COUNT_BYTES;
-            flatness.counts(bytes.get(at as usize..).unwrap_or_default())
-        })
-    }
-
-    /// Bytes of the picture.
-    fn image_bytes(&self) -> u64 {
-        4 * u64::from(self.drawn.size.width) * u64::from(self.drawn.size.height)
-    }
-
-    /// Decides on blocks for `view`, unless they are those of it.
-    fn encode_flatness(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &View,
-        before: &mut Vec<&'static str>,
-    ) -> Result<u64, GpuError> {
-        let seen = self.decided_by.unwrap_or(*view);
-        let decided = !self.decides() || self.sided && self.decided_for == Some(seen);
-        if !self.sided {
-            let mut pass = self.pass(encoder, DICE, self.first_before());
-            for c in &self.chunks {
-                let groups = c.data.spots.div_ceil(GROUP);
-                self.pipelines.sides.run(&mut pass, &c.sides, groups);
-            }
-            before.push(DICE);
-            self.sided = true;
-            self.diced = false;
-        }
-        if decided {
-            return Ok(0);
-        }
-        let up = self.deciding().map(|(_, f)| f.see(self.gpu, &seen)).sum();
-        self.deciding().for_each(|(_, f)| f.clear(encoder));
-        let number = self.first_before() + before.len() as u32;
-        let mut pass = self.pass(encoder, FLATNESS, number);
-        for (_, flatness) in self.deciding() {
-            flatness.run(self.gpu, &mut pass)?;
-        }
-        drop(pass);
-        before.push(FLATNESS);
-        for c in &self.chunks {
-            if let Some(flatness) = &c.flatness {
-                flatness.tell(encoder, &c.phases);
-            }
-        }
-        self.decided_for = Some(seen);
-        self.diced = false;
-        Ok(up)
-    }
-
-    /// Number of the first pass of [`BEFORE`].
-    fn first_before(&self) -> u32 {
-        (self.bands.len() * TIMED.len()) as u32
     }
 
     fn upload(
@@ -544,23 +449,6 @@ impl<'a> GpuScene<'a> {
         })
     }
 
-    /// Takes counts that came with the picture. A picture for which there was no room is none.
-    fn count(&self, bytes: &[u8], stats: &mut GpuStats) -> Result<(), GpuError> {
-        for (level, counts) in stats.levels.iter_mut().zip(self.counts(bytes)) {
-            if !counts.fits() {
-                return Err(GpuError::OutOfMemory {
-                    what: "the blocks that this view asks for",
-                });
-            }
-            *level = counts.deepest;
-            stats.microtriangles += counts.triangles;
-            stats.coarse += u64::from(counts.coarse);
-            stats.falls_short |= counts.falls_short(self.drawn.mode);
-            stats.decides = true;
-        }
-        Ok(())
-    }
-
     /// Times of stages: of all bands together, and of those `before` that there were.
     fn by_stage(
         &self,
@@ -582,7 +470,7 @@ impl<'a> GpuScene<'a> {
         out
     }
 
-    fn pass<'e>(
+    pub(super) fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
         name: &'static str,
@@ -598,20 +486,6 @@ impl<'a> GpuScene<'a> {
         let mut pass = self.pass(encoder, DICE, number);
         for c in &self.chunks {
             self.by_block(&self.pipelines.inside, &mut pass, &c.inside, c);
-        }
-    }
-
-    /// Runs a stage with a workgroup for each block of a chunk.
-    fn by_block(
-        &self,
-        stage: &Stage,
-        pass: &mut wgpu::ComputePass<'_>,
-        bindings: &wgpu::BindGroup,
-        c: &DeviceChunk,
-    ) {
-        match &c.flatness {
-            Some(flatness) => flatness.dispatch(stage, pass, bindings),
-            None => stage.run(pass, bindings, c.data.blocks),
         }
     }
 
@@ -642,26 +516,6 @@ impl<'a> GpuScene<'a> {
         drop(pass);
         let mut pass = self.pass(encoder, film, first + 2);
         p.film.run(&mut pass, &band.film, groups);
-    }
-
-    /// Which blocks a chunk has; those that the device decided on are read back.
-    fn named(&self, c: &DeviceChunk) -> Result<Vec<NamedBlock>, GpuError> {
-        let Some(flatness) = &c.flatness else {
-            return Ok(c.named.clone());
-        };
-        let count = read_floats(self.gpu, flatness.totals(), COUNT_BYTES)?[0].to_bits();
-        let floats = read_floats(self.gpu, &c.blocks, u64::from(count) * Block::SIZE as u64)?;
-        let words = floats.chunks_exact(Block::SIZE / 4);
-        let named = words.take(count as usize).map(|w| {
-            let [face, x, y, step, log, base] = [0, 1, 2, 3, 4, 5].map(|k: usize| w[k].to_bits());
-            NamedBlock {
-                quad: face,
-                start: [x / step.max(1), y / step.max(1)],
-                log,
-                base: base - c.data.spots,
-            }
-        });
-        Ok(named.collect())
     }
 
     /// The diced points of all blocks, read back for tests. Nothing before the first picture.

@@ -57,6 +57,8 @@ mod chunk;
 #[cfg(feature = "gpu")]
 mod corners;
 #[cfg(feature = "gpu")]
+mod decided;
+#[cfg(feature = "gpu")]
 mod deciding;
 #[cfg(feature = "gpu")]
 mod device;

@@ -63,13 +63,10 @@ fn adaptive(pixels: u32, flatness: Flatness) -> Renderer {
 fn cameras() -> [(&'static str, Camera); 5] {
     let base = Camera::default();
     [
-        ("default", base.clone()),
-        ("far", base.clone().with_zoom(0.3)),
-        (
-            "turned",
-            base.clone().with_orbit(200.0, -20.0).with_zoom(0.8),
-        ),
-        ("ortho", base.clone().with_ortho().with_zoom(0.8)),
+        ("default", base),
+        ("far", base.with_zoom(0.3)),
+        ("turned", base.with_orbit(200.0, -20.0).with_zoom(0.8)),
+        ("ortho", base.with_ortho().with_zoom(0.8)),
         ("near", base.with_zoom(2.5)),
     ]
 }
@@ -365,4 +362,29 @@ fn what_has_no_room_is_an_error() {
     let drawn = ready.draw().unwrap();
     assert!(!drawn.stats.decides && drawn.stats.microtriangles == few);
     println!("gpu room for blocks: 4 cases");
+}
+
+#[test]
+fn what_asks_for_deeper_levels_is_the_processors() {
+    let Some(gpu) = gpu("deeper levels") else {
+        return;
+    };
+    let scene = plain(asset("cube", SurfaceOptions::default()));
+    let renderer = adaptive(256, Flatness::default());
+    let [far, near] = [0.05, 1.0].map(|zoom| {
+        let camera = Camera::default().with_zoom(zoom);
+        renderer.view(&scene, &camera).unwrap()
+    });
+    let mut ready = GpuScene::for_view(&gpu, &renderer, &scene, far).unwrap();
+    let first = ready.draw().unwrap().stats;
+    assert!(first.decides && !first.falls_short);
+    let second = ready.draw_view(&near).unwrap().stats;
+    assert!(second.falls_short && second.coarse > 0);
+    // Made for the view, it has the processor's blocks.
+    let mut ready = GpuScene::for_view(&gpu, &renderer, &scene, near).unwrap();
+    let got = ready.draw().unwrap();
+    assert!(!got.stats.decides && got.stats.coarse == 0);
+    let want = renderer.render(&scene, &Camera::default()).unwrap();
+    assert_eq!(got.stats.microtriangles, want.stats.microtriangles);
+    println!("gpu deeper levels: 3 cases");
 }
