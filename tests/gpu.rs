@@ -8,6 +8,8 @@
 mod common;
 #[path = "golden/displaced.rs"]
 mod displaced;
+#[path = "gpu/flatness.rs"]
+mod flatness;
 #[path = "gpu/levels.rs"]
 mod levels;
 #[path = "gpu/parity.rs"]

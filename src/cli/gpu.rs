@@ -174,7 +174,19 @@ mod with {
         let Some((_, ready)) = &mut kept.last else {
             return Err(GpuError::Missing { what: "scene" }.into());
         };
-        let drawn = ready.draw_view(&view).inspect_err(|_| kept.last = None)?;
+        let drawn = match ready.draw_view(&view) {
+            Ok(drawn) if !drawn.stats.falls_short => drawn,
+            // Made for this view, it is another.
+            Ok(_) | Err(GpuError::OutOfMemory { .. }) if serves => {
+                kept.last = None;
+                return draw_kept(kept, picture, renderer, scene, view);
+            }
+            Ok(drawn) => drawn,
+            Err(e) => {
+                kept.last = None;
+                return Err(e.into());
+            }
+        };
         Ok(Finished {
             stats: frame_stats(&drawn.stats),
             image: drawn.image,
@@ -267,6 +279,8 @@ mod with {
             ("bytes_up", Json::Whole(s.bytes_up)),
             ("bytes_down", Json::Whole(s.bytes_down)),
             ("read_backs", Json::Whole(s.read_backs.into())),
+            ("decided_on_device", Json::Bool(s.decides)),
+            ("coarse", Json::Whole(s.coarse)),
             ("chunks", Json::Whole(s.chunks.into())),
             ("scene_bytes", Json::Whole(s.scene_bytes)),
             ("shapes", Json::Whole(s.shapes.into())),

@@ -421,7 +421,7 @@ impl Renderer {
         Ok(draw(&frame, stats)?)
     }
 
-    fn check_size(&self) -> Result<(), RenderError> {
+    pub(crate) fn check_size(&self) -> Result<(), RenderError> {
         let ScreenSize {
             width,
             height,

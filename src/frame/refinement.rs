@@ -8,6 +8,8 @@ use crate::limits::{Budget, LimitError};
 use crate::patch::PatchKind;
 use crate::raster::bounds;
 use crate::records::ScreenSize;
+#[cfg(feature = "gpu")]
+use crate::scheme::Scheme;
 use crate::surface::Surface;
 use crate::tessellate::{DepthTags, Flatness, Tessellation, depth_tags, flatness};
 
@@ -81,6 +83,29 @@ impl Renderer {
         let decided_by = self.decided_by.as_ref().unwrap_or(view);
         let found = self.tessellations(scene, decided_by, &mut levels, budget)?;
         Ok((levels, found))
+    }
+
+    /// The flatness of every object, by levels of its quads, if each is cut adaptively and is a smooth Catmull-Clark surface as it is: what
+    /// other backends decide on their own.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn flatness(&self, scene: &Scene) -> Option<Vec<Flatness>> {
+        if self.drawing != Drawing::Limit {
+            return None;
+        }
+        let of = |object: &Object| {
+            let surface = &object.surface;
+            let is_plain = surface.scheme() == Scheme::CatmullClark
+                && surface.patch_kind() == PatchKind::None
+                && surface.displacement().is_none();
+            match self.refinement.of(surface) {
+                Refinement::Adaptive(wanted) if is_plain => Some(Flatness {
+                    max_level: (wanted.max_level).saturating_sub(u32::from(surface.is_split())),
+                    ..wanted
+                }),
+                _ => None,
+            }
+        };
+        scene.objects.iter().map(of).collect()
     }
 
     /// Whether all triangles are within a few degrees of their normals.

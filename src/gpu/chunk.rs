@@ -1,6 +1,7 @@
 //! Chunks of blocks: as many as fit one binding of the device, each with all that dicing them takes, so that no chunk reads from another.
 //! A side between two chunks is in both, by the same sums of the same numbers in the same pipeline.
 
+use super::deciding::Deciding;
 use super::dicer::{Dicer, FaceTable, Look, Shown};
 use super::error::GpuError;
 use super::plan::{ObjectPlan, PlannedBlock};
@@ -40,6 +41,8 @@ pub(super) struct ChunkData {
     pub(super) look: Look,
     /// See [`Chunk`].
     pub(super) color_width: u32,
+    /// What its blocks are decided by, where that is the device; none are listed then, and there is room for as many as it says.
+    pub(super) deciding: Option<Deciding>,
     /// Of each spot of a displaced surface.
     pub(super) lifts: Vec<Lift>,
 }
@@ -120,6 +123,8 @@ pub(super) struct There {
     pub(super) uvs: HashMap<(u32, bool), [u32; 3]>,
     pub(super) uv_tables: HashMap<u32, u32>,
     pub(super) uv_rims: HashMap<u32, u32>,
+    /// First weights of faces' control points as B-splines, by the number of their table and that of the quad.
+    pub(super) nets: HashMap<[u32; 2], u32>,
     /// Spots, by the half-edge that owns their normals.
     pub(super) corners: HashMap<u32, u32>,
     pub(super) sides: HashMap<u32, u32>,
@@ -128,7 +133,7 @@ pub(super) struct There {
 /// Makes the chunks of a scene.
 pub(super) struct Builder {
     /// Bytes of the largest buffer.
-    limit: u64,
+    pub(super) limit: u64,
     pub(super) data: ChunkData,
     pub(super) there: There,
     done: Vec<ChunkData>,
@@ -158,6 +163,9 @@ pub(super) fn chunks(
     };
     for (dicer, plan) in dicers.iter().zip(plans) {
         builder.close();
+        if plan.flatness.is_some() {
+            builder.add_deciding(dicer, plan, budget)?;
+        }
         for blocks in plan.blocks.chunk_by(|a, b| a.quad == b.quad) {
             builder.add(dicer, plan, blocks, budget)?;
         }
@@ -168,8 +176,9 @@ pub(super) fn chunks(
 
 impl Builder {
     fn close(&mut self) {
-        let next = self.data.first_rank + self.data.blocks.len() as u32;
-        if !self.data.blocks.is_empty() {
+        let room = self.data.deciding.as_ref().map_or(0, |d| d.room.blocks);
+        let next = self.data.first_rank + self.data.blocks.len() as u32 + room;
+        if !self.data.blocks.is_empty() || room > 0 {
             self.done.push(std::mem::take(&mut self.data));
         }
         self.data.first_rank = next;

@@ -1,6 +1,7 @@
 //! Adapters and devices: which there are, which one is taken, and how its errors become [`GpuError`]s.
 
 use super::error::GpuError;
+use super::flatness::FlatnessPipelines;
 use super::pipelines::Pipelines;
 use super::wgsl::Variant;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -131,6 +132,7 @@ pub struct Gpu {
     pub(super) timestamps: bool,
     /// By the numbers of their variants, made when a picture first needs them.
     pipelines: [OnceLock<Pipelines>; Variant::COUNT],
+    flatness: OnceLock<FlatnessPipelines>,
     failed: Arc<Mutex<Option<GpuError>>>,
 }
 
@@ -191,6 +193,7 @@ impl Gpu {
             timestamps: summary.timestamps,
             summary,
             pipelines: Default::default(),
+            flatness: OnceLock::new(),
             failed: Arc::default(),
         }
     }
@@ -222,6 +225,7 @@ impl Gpu {
             queue,
             summary,
             pipelines: Default::default(),
+            flatness: OnceLock::new(),
             failed: Arc::default(),
         };
         gpu.listen();
@@ -275,6 +279,15 @@ impl Gpu {
         let made = self.caught(|| Ok(Pipelines::new(self, variant)))?;
         // When another thread was first, its pipelines are the same.
         Ok(kept.get_or_init(|| made))
+    }
+
+    /// Those that decide on blocks.
+    pub(super) fn flatness_pipelines(&self) -> Result<&FlatnessPipelines, GpuError> {
+        if let Some(made) = self.flatness.get() {
+            return Ok(made);
+        }
+        let made = self.caught(|| Ok(FlatnessPipelines::new(self)))?;
+        Ok(self.flatness.get_or_init(|| made))
     }
 
     /// Does `work` and returns what the device has against it: nobody listens to a caller's device, and what nobody hears ends the program.

@@ -26,6 +26,8 @@ pub(super) struct Dicer<'a> {
     /// Per cage face with a table.
     pub(super) faces: HashMap<u32, Places>,
     pub(super) tables: Vec<Table>,
+    /// Of each table, by quad, the weights of control points where the device decides on blocks; see [`nets`](super::deciding::nets).
+    pub(super) nets: Vec<Vec<Option<Vec<f32>>>>,
     /// Per face of the cage the number of its table of texture coordinates; empty without.
     pub(super) uv_numbers: HashMap<u32, u32>,
     pub(super) uv_tables: Vec<UvTable>,
@@ -129,6 +131,7 @@ impl<'a> Dicer<'a> {
             first_face: first.face,
             faces: HashMap::new(),
             tables: Vec::new(),
+            nets: Vec::new(),
             uv_numbers: HashMap::new(),
             uv_tables: Vec::new(),
             first_uv: first.uv,
@@ -164,7 +167,7 @@ impl<'a> Dicer<'a> {
         if !has_tables {
             return Ok(dicer);
         }
-        dicer.make_tables(&needs, drawing, budget)?;
+        dicer.make_tables(&needs, drawing, plan.flatness.is_some(), budget)?;
         Ok(dicer)
     }
 

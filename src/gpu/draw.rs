@@ -1,9 +1,12 @@
 //! A scene on a device, and its pictures.
 
+use super::deciding;
 use super::device::Gpu;
 use super::error::GpuError;
+use super::flatness::COUNT_BYTES;
 use super::further::Further;
 use super::pipelines::{Pipelines, Stage};
+use super::plan::{Plan, plan};
 use super::read_back::{ReadBlock, read, read_floats};
 use super::ready::Ready;
 use super::records::{Frame, POINT_FLOATS, Record, words};
@@ -22,7 +25,7 @@ use wgpu::BufferUsages as Usage;
 /// Workgroups that share the list of large quads.
 const LARGE_GROUPS: u32 = 1024;
 
-struct Band {
+pub(super) struct Band {
     rows: [u32; 2],
     frame: wgpu::Buffer,
     /// Per chunk and pass.
@@ -32,26 +35,31 @@ struct Band {
     film: wgpu::BindGroup,
 }
 
-/// A scene whose cage, tables and blocks are on a device. Between pictures its points may move and the view change; what was decided
-/// for the view it was made for (adaptive blocks) stays.
+/// A scene whose cage, tables and blocks are on a device. Between pictures its points may move and the view change. Blocks that the device
+/// decides on follow both; what the processor decided for the view it was made for stays.
 pub struct GpuScene<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'a Pipelines,
-    drawn: Drawn,
-    view: View,
+    pub(super) gpu: &'a Gpu,
+    pub(super) pipelines: &'a Pipelines,
+    pub(super) drawn: Drawn,
+    pub(super) view: View,
     control: wgpu::Buffer,
     control_points: Vec<[f32; 3]>,
     further: Further,
     moved: bool,
-    diced: bool,
-    chunks: Vec<DeviceChunk>,
-    bands: Vec<Band>,
+    /// Whether points of sides, and blocks, are those of the control points.
+    pub(super) sided: bool,
+    pub(super) diced: bool,
+    /// The view that blocks are decided by, whatever is drawn, and the one that they were.
+    pub(super) decided_by: Option<View>,
+    pub(super) decided_for: Option<View>,
+    pub(super) chunks: Vec<DeviceChunk>,
+    pub(super) bands: Vec<Band>,
     keys: wgpu::Buffer,
     sums: wgpu::Buffer,
     /// A band of the picture.
     image: wgpu::Buffer,
     /// The whole picture, on its way down.
-    staging: wgpu::Buffer,
+    pub(super) staging: wgpu::Buffer,
     timer: Option<Timer>,
     stats: GpuStats,
 }
@@ -64,9 +72,17 @@ impl std::fmt::Debug for GpuScene<'_> {
     }
 }
 
-/// Stages of a band that are timed, in the order of their passes. Times of the first band come first; that of `dice` is last, because
-/// pictures may go without.
-const TIMED: [&str; 3] = ["tile", "shade", "film"];
+/// Stages of a band that are timed, in the order of their passes. Times of the first band come first; those of [`BEFORE`] are last,
+/// because pictures may go without.
+pub(super) const TIMED: [&str; 3] = ["tile", "shade", "film"];
+
+/// Stages that only new views and moved points need.
+const BEFORE: [&str; 2] = [FLATNESS, DICE];
+pub(super) const FLATNESS: &str = "flatness";
+pub(super) const DICE: &str = "dice";
+
+/// Most passes of [`BEFORE`]: sides are diced first, what is inside last.
+const MOST_BEFORE: usize = 3;
 
 impl<'a> GpuScene<'a> {
     /// Puts `scene` on the device, as `renderer` draws it and `camera` sees it.
@@ -93,9 +109,47 @@ impl<'a> GpuScene<'a> {
         scene: &Scene,
         view: View,
     ) -> Result<Self, GpuError> {
+        if let Some(flatness) = renderer.flatness(scene) {
+            let budget = &mut Budget::new(&renderer.limits);
+            let plan = deciding::plan(renderer, scene, flatness, budget);
+            let made =
+                plan.and_then(|plan| Self::planned(gpu, renderer, (scene, view), plan, budget));
+            match made.and_then(|mut made| Ok((made.covers()?, made))) {
+                Ok((true, made)) => return Ok(made),
+                // The processor needs less memory, and has deeper levels.
+                Ok((false, _)) | Err(GpuError::OutOfMemory { .. } | GpuError::Limit(_)) => {}
+                Err(e) => return Err(e),
+            }
+        }
+        Self::decided_by_processor(gpu, renderer, scene, view)
+    }
+
+    /// The same where the processor decides on all blocks, for this view.
+    ///
+    /// # Errors
+    /// As [`GpuScene::new`].
+    #[doc(hidden)]
+    pub fn decided_by_processor(
+        gpu: &'a Gpu,
+        renderer: &Renderer,
+        scene: &Scene,
+        view: View,
+    ) -> Result<Self, GpuError> {
         let budget = &mut Budget::new(&renderer.limits);
-        let (ready, drawn) = Ready::of(renderer, scene, &view, gpu.max_binding, budget)?;
+        let plan = plan(renderer, scene, &view, budget)?;
+        Self::planned(gpu, renderer, (scene, view), plan, budget)
+    }
+
+    fn planned(
+        gpu: &'a Gpu,
+        renderer: &Renderer,
+        (scene, view): (&Scene, View),
+        plan: Plan,
+        budget: &mut Budget<'_>,
+    ) -> Result<Self, GpuError> {
+        let (ready, drawn) = Ready::of(renderer, scene, plan, gpu.max_binding, budget)?;
         let mut made = gpu.caught(|| Self::upload(gpu, drawn, scene, view, ready, budget))?;
+        made.decided_by = renderer.decided_by;
         made.measuring(renderer.measure)?;
         Ok(made)
     }
@@ -162,7 +216,12 @@ impl<'a> GpuScene<'a> {
         let image_bytes = 4 * u64::from(size.width) * u64::from(size.height);
         // The picture, and its bytes as they come down.
         budget.take("the picture", 2 * u128::from(image_bytes), 0)?;
-        let staging = gpu.empty("picture", image_bytes, Usage::COPY_DST | Usage::MAP_READ)?;
+        let counts = made.iter().filter(|c| c.flatness.is_some()).count() as u64;
+        let staging = gpu.empty(
+            "picture",
+            image_bytes + counts * COUNT_BYTES,
+            Usage::COPY_DST | Usage::MAP_READ,
+        )?;
         let mut bands = Vec::new();
         for start in (0..size.height).step_by(rows as usize) {
             let end = (start + rows).min(size.height);
@@ -235,7 +294,10 @@ impl<'a> GpuScene<'a> {
             further,
             // They are there with the rest.
             moved: false,
+            sided: false,
             diced: false,
+            decided_by: None,
+            decided_for: None,
             stats,
             chunks: made,
             bands,
@@ -254,7 +316,7 @@ impl<'a> GpuScene<'a> {
     /// [`GpuError`] of the device.
     #[doc(hidden)]
     pub fn measuring(&mut self, on: bool) -> Result<(), GpuError> {
-        let stages = self.bands.len() * TIMED.len() + 1;
+        let stages = self.bands.len() * TIMED.len() + MOST_BEFORE;
         self.timer = match on {
             true => Timer::of_stages(self.gpu, stages as u32)?,
             false => None,
@@ -263,7 +325,7 @@ impl<'a> GpuScene<'a> {
     }
 
     /// Whether it draws through `view` what one would draw that is made for it, of the same scene by a renderer with the same settings:
-    /// whether blocks are not decided by the view, and levels are the same.
+    /// whether blocks are not decided by the view that it was made for, and levels are the same.
     ///
     /// # Errors
     /// [`GpuError::Render`]: a level or a view that there is not.
@@ -273,7 +335,8 @@ impl<'a> GpuScene<'a> {
         scene: &Scene,
         view: &View,
     ) -> Result<bool, GpuError> {
-        let fixed = !self.drawn.tessellated && self.drawn.size == view.size;
+        let follows = self.decides() && self.decided_by == renderer.decided_by;
+        let fixed = (!self.drawn.tessellated || follows) && self.drawn.size == view.size;
         Ok(fixed && renderer.levels(scene, view)? == self.stats.levels)
     }
 
@@ -338,7 +401,7 @@ impl<'a> GpuScene<'a> {
             queue.write_buffer(&self.control, 0, bytemuck::cast_slice(&words));
             stats.bytes_up += 4 * words.len() as u64;
             self.moved = false;
-            self.diced = false;
+            self.sided = false;
         }
         let mut frame = frame_record(&self.drawn, view);
         for band in &self.bands {
@@ -347,12 +410,14 @@ impl<'a> GpuScene<'a> {
             queue.write_buffer(&band.frame, 0, bytemuck::cast_slice(&words));
             stats.bytes_up += 4 * words.len() as u64;
         }
-        let mut timed = (self.bands.len() * TIMED.len()) as u32;
+        let mut before = Vec::new();
+        stats.bytes_up += self.encode_flatness(&mut encoder, view, &mut before)?;
         if !self.diced {
-            self.encode_dice(&mut encoder, timed);
+            self.encode_dice(&mut encoder, self.first_before() + before.len() as u32);
             self.diced = true;
-            timed += 1;
+            before.push(DICE);
         }
+        let timed = self.first_before() + before.len() as u32;
         let row_bytes = 4 * u64::from(self.drawn.size.width);
         for (k, band) in self.bands.iter().enumerate() {
             self.encode_band(&mut encoder, band, (k * TIMED.len()) as u32);
@@ -360,7 +425,8 @@ impl<'a> GpuScene<'a> {
             encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, start, end - start);
         }
         stats.read_backs += 1;
-        stats.bytes_down += row_bytes * u64::from(self.drawn.size.height);
+        self.copy_counts(&mut encoder);
+        stats.bytes_down += self.image_bytes() + COUNT_BYTES * self.deciding().count() as u64;
         if let Some(timer) = &self.timer {
             timer.resolve(&mut encoder, timed);
         }
@@ -368,8 +434,9 @@ impl<'a> GpuScene<'a> {
         let bytes = read(self.gpu, &self.staging)?;
         stats.wall = begin.elapsed();
         if let Some(timer) = &self.timer {
-            stats.stages = self.by_stage(&timer.read(self.gpu, timed)?);
+            stats.stages = self.by_stage(&timer.read(self.gpu, timed)?, &before);
         }
+        self.count(&bytes, &mut stats)?;
         let mut image = Image::new(self.drawn.size.width, self.drawn.size.height);
         let length = image.data.len();
         image.data.copy_from_slice(&bytes[..length]);
@@ -382,17 +449,28 @@ impl<'a> GpuScene<'a> {
         })
     }
 
-    /// Times of stages: of all bands together, and of `dice` where there is one more.
-    fn by_stage(&self, times: &[Duration]) -> Vec<(&'static str, Duration)> {
-        let (bands, dice) = times.split_at(self.bands.len() * TIMED.len());
-        let mut out: Vec<_> = dice.iter().map(|&time| ("dice", time)).collect();
+    /// Times of stages: of all bands together, and of those `before` that there were.
+    fn by_stage(
+        &self,
+        times: &[Duration],
+        before: &[&'static str],
+    ) -> Vec<(&'static str, Duration)> {
+        let (bands, own) = times.split_at(self.bands.len() * TIMED.len());
+        let mut out = Vec::new();
+        for name in BEFORE {
+            let times = before.iter().zip(own).filter(|(b, _)| **b == name);
+            let mut times = times.map(|(_, time)| *time).peekable();
+            if times.peek().is_some() {
+                out.push((name, times.sum()));
+            }
+        }
         for (k, name) in TIMED.into_iter().enumerate() {
             out.push((name, bands.iter().skip(k).step_by(TIMED.len()).sum()));
         }
         out
     }
 
-    fn pass<'e>(
+    pub(super) fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
         name: &'static str,
@@ -405,13 +483,9 @@ impl<'a> GpuScene<'a> {
     }
 
     fn encode_dice(&self, encoder: &mut wgpu::CommandEncoder, number: u32) {
-        let mut pass = self.pass(encoder, "dice", number);
+        let mut pass = self.pass(encoder, DICE, number);
         for c in &self.chunks {
-            let groups = c.data.spots.div_ceil(GROUP);
-            self.pipelines.sides.run(&mut pass, &c.sides, groups);
-            self.pipelines
-                .inside
-                .run(&mut pass, &c.inside, c.data.blocks);
+            self.by_block(&self.pipelines.inside, &mut pass, &c.inside, c);
         }
     }
 
@@ -428,7 +502,7 @@ impl<'a> GpuScene<'a> {
         let phases = self.chunks.first().map_or(0, |c| c.phases.len());
         for phase in 0..phases {
             for (k, c) in self.chunks.iter().enumerate() {
-                p.tile.run(&mut pass, &band.tile[k][phase], c.data.blocks);
+                self.by_block(&p.tile, &mut pass, &band.tile[k][phase], c);
                 p.large.run(&mut pass, &band.large[k][phase], LARGE_GROUPS);
             }
         }
@@ -455,7 +529,7 @@ impl<'a> GpuScene<'a> {
             let bytes = 4 * u64::from(POINT_FLOATS) * u64::from(c.data.points);
             let floats = read_floats(self.gpu, &c.points, bytes)?;
             let points = floats.as_chunks::<{ POINT_FLOATS as usize }>().0;
-            for b in &c.named {
+            for b in &self.named(c)? {
                 let side = (1 << b.log) + 1;
                 let first = (b.base + c.data.spots) as usize;
                 out.push(ReadBlock {

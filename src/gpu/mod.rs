@@ -8,6 +8,7 @@
 //! | stage | file | one invocation |
 //! |---|---|---|
 //! | `sides` | `dice.wgsl` | a corner or a point of a side: evaluated once, from one face's control points, whoever shares it |
+//! | `flatness` | `flatness.wgsl`, `edges.wgsl`, `blocks.wgsl`, `scan.wgsl` | a workgroup: what a face needs; then an edge, a face: adaptive blocks, for the view of the frame |
 //! | `dice` | `dice.wgsl` | points of a block's inside; what lies on sides is copied, so shared points have the same bits |
 //! | `tile` | `tile.wgsl` | micro-quads: projected, snapped, covered samples by exact integers into visibility keys |
 //! | `large` | `large.wgsl` | quads of many pixels and clipped ones, a workgroup each |
@@ -15,6 +16,18 @@
 //! | `film` | `film.wgsl` | a pixel: resolved and encoded |
 //!
 //! Points, normals and keys stay on the device. Up goes what moved: control points and the view. Down comes the picture.
+//!
+//! # Adaptive blocks
+//!
+//! Of smooth Catmull-Clark surfaces the device decides on blocks itself, anew for every view and whenever points move: stage `flatness`. It
+//! makes the processor's tests of the same samples, evaluated here, in the same order. An edge is decided on by one invocation; both faces read
+//! what came of it. Prefix sums say where blocks go, and what is drawn of them is dispatched by their counts, of which the processor
+//! only hears with the picture; more than there is room for is an error then.
+//!
+//! Its deepest level is that of one block, 5 of a quad. What asks for more (seldom more than the corners of a few faces) is drawn at
+//! that and counted; where it would be off by more than twice what is allowed, in pixels or in normals of triangles of more than 4
+//! pixels, or is to be seen by its levels, or where the tables of weights do not fit, a scene is made with the blocks that the processor decides on for its view. Unlike there,
+//! parts of a face beyond the sides of the picture are not looked for: they are as fine as the rest.
 //!
 //! # Dicing
 //!
@@ -33,7 +46,8 @@
 //!
 //! Displacement by a caller's rule, displacement of patches and of interpolating surfaces, normal and bump maps on these, refinement patterns,
 //! outputs beside the picture, n-gons at level 0 of bilinear surfaces, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
-//! Adaptive blocks, displaced ones among them, are decided on the processor, for the view that a scene was made for.
+//! Adaptive blocks of other surfaces than these (displaced ones, other schemes, patches) and by depth tags are decided on the processor, for
+//! the view that a scene was made for.
 
 pub mod records;
 pub mod wgsl;
@@ -42,6 +56,10 @@ pub mod wgsl;
 mod chunk;
 #[cfg(feature = "gpu")]
 mod corners;
+#[cfg(feature = "gpu")]
+mod decided;
+#[cfg(feature = "gpu")]
+mod deciding;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
@@ -52,6 +70,8 @@ mod draw;
 mod error;
 #[cfg(feature = "gpu")]
 mod face;
+#[cfg(feature = "gpu")]
+mod flatness;
 #[cfg(feature = "gpu")]
 mod further;
 #[cfg(feature = "gpu")]

@@ -8,8 +8,9 @@ use crate::dice::FacePatch;
 use crate::frame::{Drawing, Object, Renderer, Scene, leaf_triangles};
 use crate::limits::Budget;
 use crate::patch::PatchKind;
+use crate::records::ScreenSize;
 use crate::scheme::Scheme;
-use crate::tessellate::Tessellation;
+use crate::tessellate::{Flatness, Tessellation};
 use crate::topology::NONE;
 
 /// A block of a face.
@@ -38,6 +39,11 @@ pub(super) struct ObjectPlan {
     /// Whether it is level 0 of a cage with other polygons than quads: quads are blocks of their corners, other polygons one for each
     /// corner, with their centre.
     pub(super) polygonal: bool,
+    /// What blocks are decided by where that is the device: then none are listed, but which quads are left out of all pictures, and the
+    /// size of those.
+    pub(super) flatness: Option<Flatness>,
+    pub(super) drawn: Vec<bool>,
+    pub(super) size: Option<ScreenSize>,
 }
 
 /// What is drawn of a scene.
@@ -54,7 +60,7 @@ pub(super) struct Plan {
 }
 
 /// Refuses what this backend does not draw.
-fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
+pub(super) fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
     let refuse = |what| Err(GpuError::Unsupported { what });
     if !renderer.aovs.is_empty() {
         return refuse("outputs beside the picture");

@@ -4,12 +4,11 @@ use super::chunk::{ChunkData, chunks};
 use super::dicer::{Dicer, Firsts, Look};
 use super::error::GpuError;
 use super::further::Further;
-use super::plan::{ObjectPlan, plan};
+use super::plan::{ObjectPlan, Plan};
 use super::records::Rise;
 use super::rise::Maps;
 use super::stats::GpuStats;
 use super::view::Drawn;
-use crate::camera::View;
 use crate::displace::Displacement;
 use crate::frame::{Drawing, Object, Renderer, Scene};
 use crate::limits::Budget;
@@ -62,15 +61,14 @@ fn look<'a>(
 }
 
 impl Ready {
-    /// What `renderer` draws of `scene` where blocks are decided for `view`. `limit` is the size of the largest binding in bytes.
+    /// What `renderer` draws of `scene`, by a plan of its blocks. `limit` is the size of the largest binding in bytes.
     pub(super) fn of(
         renderer: &Renderer,
         scene: &Scene,
-        view: &View,
+        plan: Plan,
         limit: u64,
         budget: &mut Budget<'_>,
     ) -> Result<(Self, Drawn), GpuError> {
-        let plan = plan(renderer, scene, view, budget)?;
         let wants_uvs = renderer.mode == ShadeMode::Uv
             || !scene.textures.is_empty()
             || scene.objects.iter().any(Object::is_shaded_by_map);

@@ -390,5 +390,100 @@ record! {
     }
 }
 
+record! {
+    /// How blocks are decided by a view: the numbers of the processor's metric. A uniform.
+    Metric {
+        /// Row of X of the projection; see [`Projection`](crate::records::Projection).
+        x: [f32; 4],
+        /// Row of Y.
+        y: [f32; 4],
+        /// Row of W, or of the depth of an orthographic view.
+        h: [f32; 4],
+        /// The eye.
+        eye: [f32; 4],
+        /// Unit vector to the right of the picture.
+        right: [f32; 4],
+        /// Unit vector to its top.
+        up: [f32; 4],
+        /// Unit vector into it.
+        forward: [f32; 4],
+        /// Pixels across and down.
+        size: [f32; 4],
+        /// Where the depth range begins.
+        near: f32,
+        /// Near distance of the projection.
+        plane: f32,
+        /// Pixels per model unit, in perspective at distance 1.
+        scale: f32,
+        /// Per pixel that tests allow.
+        pixels: f32,
+        /// Per largest chord between unit normals that they allow.
+        chord: f32,
+        /// Pixels that are allowed as a whole.
+        whole_pixels: f32,
+        /// Radians that are allowed as a whole.
+        whole_radians: f32,
+        /// Deepest level of quads.
+        max_level: u32,
+        /// 1 for an orthographic view.
+        ortho: u32,
+        /// Nothing.
+        padding: u32,
+        /// Nothing.
+        more_padding: [u32; 2],
+    }
+}
+
+record! {
+    /// A face whose blocks the device decides: one for each [`Face`] of its chunk.
+    Patch {
+        /// Twice the numbers of the edges at its sides, and one more where an edge runs against the side.
+        edges: [u32; 4],
+        /// First weight of its 16 control points, if it is a B-spline, for each control point of its stencil: else all bits.
+        net: u32,
+        /// Irregular corners, bit by bit; [`PATCH_PLAIN`](super::wgsl::PATCH_PLAIN) and what follows there.
+        marks: u32,
+        /// Nothing.
+        padding: [u32; 2],
+    }
+}
+
+record! {
+    /// An edge between such faces.
+    Edge {
+        /// The face of its first half-edge.
+        first: u32,
+        /// The other one, or all bits.
+        second: u32,
+        /// The side of the first face that it is, from bit 2 on that of the second one, and [`EDGE_BACK`](super::wgsl::EDGE_BACK) where that runs
+        /// the other way.
+        marks: u32,
+        /// Nothing.
+        padding: u32,
+    }
+}
+
+record! {
+    /// What there is room for in a chunk whose blocks the device decides. A uniform.
+    Room {
+        /// Blocks.
+        blocks: u32,
+        /// Points of blocks.
+        points: u32,
+        /// Moved points.
+        moves: u32,
+        /// Micro-quads.
+        quads: u32,
+        /// Spots, which stand before the points.
+        spots: u32,
+        /// Faces there are.
+        faces: u32,
+        /// Parts of them whose sums are taken one by one.
+        parts: u32,
+        /// Nothing.
+        padding: u32,
+    }
+}
+
 /// Floats of a point of a chunk: position, then unit normal.
 pub const POINT_FLOATS: u32 = 6;

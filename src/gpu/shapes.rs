@@ -1,5 +1,6 @@
 //! Faces by their surroundings: those with the same ones share their tables of weights.
 
+use super::deciding::nets;
 use super::dicer::{Dicer, Shown};
 use super::error::GpuError;
 use super::surroundings::{Finder, Surroundings};
@@ -31,11 +32,12 @@ impl Shapes {
 }
 
 impl Dicer<'_> {
-    /// Makes the tables of faces that are to be known at these levels.
+    /// Makes the tables of faces that are to be known at these levels, and their control points as B-splines.
     pub(super) fn make_tables(
         &mut self,
         needs: &[u32],
         drawing: Drawing,
+        has_nets: bool,
         budget: &mut Budget<'_>,
     ) -> Result<(), GpuError> {
         /// Faces between two looks at the budget.
@@ -79,6 +81,10 @@ impl Dicer<'_> {
         let wanted: Vec<_> = shapes.all.iter().zip(levels).collect();
         if self.shown != Shown::Pn {
             self.tables = tables::make(self.surface, &wanted, drawing, self.look.width, budget)?;
+        }
+        if has_nets {
+            let all = shapes.all.iter().map(|shape| nets(self.surface, shape));
+            self.nets = all.collect::<Result<_, _>>()?;
         }
         let (numbers, wanted) = self.numbered(&color_faces, &shapes.all);
         self.color_numbers = numbers;

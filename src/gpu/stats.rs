@@ -21,6 +21,13 @@ pub struct GpuStats {
     pub bytes_down: u64,
     /// Buffers that were read back.
     pub read_backs: u32,
+    /// Whether blocks were decided on the device, for the view that was drawn.
+    pub decides: bool,
+    /// Faces and edges that ask for more than the deepest level that the device decides on, and are drawn at that.
+    pub coarse: u64,
+    /// Whether some of these are off by more than twice what is allowed, or are seen by their levels: a [`GpuScene`](super::GpuScene) that
+    /// is made for this view has its blocks from the processor.
+    pub falls_short: bool,
     /// Chunks of blocks.
     pub chunks: u32,
     /// Bands of rows that the picture was drawn in.

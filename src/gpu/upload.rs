@@ -3,6 +3,7 @@
 use super::chunk::{ChunkData, NamedBlock};
 use super::device::Gpu;
 use super::error::GpuError;
+use super::flatness::{Chunk, DeviceFlatness};
 use super::pipelines::Pipelines;
 use super::records::{Lift, Material, POINT_FLOATS, Record, words};
 use crate::frame::Scene;
@@ -26,6 +27,8 @@ pub(super) struct DeviceChunk {
     pub(super) named: Vec<NamedBlock>,
     pub(super) blocks: wgpu::Buffer,
     pub(super) faces: wgpu::Buffer,
+    /// What decides on its blocks, where that is the device.
+    pub(super) flatness: Option<DeviceFlatness>,
     /// For the first and, with keys in two passes, the second pass.
     pub(super) phases: Vec<wgpu::Buffer>,
 }
@@ -93,7 +96,7 @@ pub(super) fn point_words(points: &[[f32; 3]]) -> Vec<u32> {
     points.iter().flatten().map(|c| c.to_bits()).collect()
 }
 
-fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
+pub(super) fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
     let mut words = Vec::new();
     record.put(&mut words);
     let usage = Usage::UNIFORM | Usage::COPY_DST;
@@ -117,8 +120,13 @@ pub(super) fn device_chunk(
     let stencils = gpu.filled("stencils", &words(&data.stencils))?;
     let spots = gpu.filled("points of sides", &words(&data.spots))?;
     let faces = gpu.filled("faces", &words(&data.faces))?;
-    let blocks = gpu.filled("blocks", &data.block_words())?;
-    let moves = gpu.filled("moved points", &words(&data.moves))?;
+    let [blocks, moves] = match &data.deciding {
+        Some(deciding) => DeviceFlatness::lists(gpu, deciding)?,
+        None => [
+            gpu.filled("blocks", &data.block_words())?,
+            gpu.filled("moved points", &words(&data.moves))?,
+        ],
+    };
     let bytes = 4 * u64::from(POINT_FLOATS) * u64::from(data.points());
     let points = gpu.empty("diced points", bytes, Usage::STORAGE | Usage::COPY_SRC)?;
     let large = 4 + 4 * u64::from(data.quads);
@@ -178,6 +186,22 @@ pub(super) fn device_chunk(
         &colors, &tangents, &lifts,
     ];
     *scene_bytes += all.iter().map(|b| b.size()).sum::<u64>();
+    let of = Chunk {
+        chunk: &phases[0],
+        control,
+        gathers: &gathers,
+        weights: &weights,
+        stencils: &stencils,
+        faces: &faces,
+        points: &points,
+        blocks: &blocks,
+        moves: &moves,
+    };
+    let flatness = match &data.deciding {
+        Some(deciding) => Some(DeviceFlatness::new(gpu, &of, deciding)?),
+        None => None,
+    };
+    *scene_bytes += flatness.as_ref().map_or(0, DeviceFlatness::bytes);
     Ok(DeviceChunk {
         data: ChunkCounts {
             blocks: data.blocks.len() as u32,
@@ -195,6 +219,7 @@ pub(super) fn device_chunk(
         rise,
         blocks,
         faces,
+        flatness,
         phases,
     })
 }

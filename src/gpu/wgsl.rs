@@ -3,10 +3,11 @@
 
 use super::records::POINT_FLOATS;
 use crate::patch::NET_LEN;
-use crate::raster::GUARD_BAND;
+use crate::raster::{GUARD_BAND, SCREEN_MARGIN};
 use crate::records::BLOCK_POINTS;
 use crate::scheme::INFINITE_SHARPNESS;
 use crate::shade::{LEVEL_COLORS, ShadeMode};
+use crate::tessellate::flatness::numbers;
 use crate::topology::NONE;
 use std::fmt::Write;
 
@@ -44,6 +45,21 @@ pub const RIDGED: u32 = 3;
 /// Of waves.
 pub const RIPPLES: u32 = 4;
 
+/// Mark of a [`Patch`](super::records::Patch) whose sides follow from what its inside says.
+pub const PATCH_PLAIN: u32 = 16;
+/// Of one that is not left out of all pictures.
+pub const PATCH_DRAWN: u32 = 32;
+/// Of a quad of a face that is split into quads.
+pub const PATCH_SPLIT: u32 = 64;
+/// Mark of an [`Edge`](super::records::Edge) that runs against the side of its second face.
+pub const EDGE_BACK: u32 = 16;
+/// Words of a face's quadtree: the number of its nodes, and as many as there can be, of three depths below the face.
+pub(super) const NODE_WORDS: u32 = 1 + 85;
+/// Triangles whose normals may be further off where samples ask for more levels than there are, in pixels.
+const FEW_PIXELS: f32 = 4.0;
+/// Faces whose sums are taken by one workgroup.
+pub(super) const PART: u32 = 16 * GROUP;
+
 /// Bits of a row or column of a face.
 const PLACE_BITS: u32 = 12;
 
@@ -55,6 +71,9 @@ pub fn pn_place([x, y]: [u32; 2], level: u32) -> u32 {
 
 const INDEX: &str = include_str!("wgsl/index.wgsl");
 const RECORDS: &str = include_str!("wgsl/records.wgsl");
+const EVALUATE: &str = include_str!("wgsl/evaluate.wgsl");
+const METRIC: &str = include_str!("wgsl/metric.wgsl");
+const TREE: &str = include_str!("wgsl/tree.wgsl");
 const HEIGHT: &str = include_str!("wgsl/height.wgsl");
 const SCREEN: &str = include_str!("wgsl/screen.wgsl");
 const TEXTURE: &str = include_str!("wgsl/texture.wgsl");
@@ -94,6 +113,17 @@ fn numbers() -> String {
         ("PN", PN),
         ("PN_HALF", NET_LEN),
         ("PLACE_BITS", PLACE_BITS),
+        ("PATCH_PLAIN", PATCH_PLAIN),
+        ("PATCH_DRAWN", PATCH_DRAWN),
+        ("PATCH_SPLIT", PATCH_SPLIT),
+        ("EDGE_BACK", EDGE_BACK),
+        ("NODE_WORDS", NODE_WORDS),
+        ("PART", PART),
+        ("TRUSTED", numbers::TRUSTED),
+        ("UNEVEN_STEPS", numbers::UNEVEN_STEPS),
+        ("DEEPER", numbers::DEEPER),
+        ("OVERHEAD", numbers::OVERHEAD),
+        ("RESAMPLED", numbers::RESAMPLED),
         ("STILL", STILL),
         ("MAP", MAP),
         ("NOISE", NOISE),
@@ -111,6 +141,13 @@ fn numbers() -> String {
         ("GUARD_BAND", GUARD_BAND as f32),
         ("SMALLEST", f32::MIN_POSITIVE),
         ("INFINITE", INFINITE_SHARPNESS),
+        ("SCREEN_MARGIN", SCREEN_MARGIN),
+        ("FEW_PIXELS", FEW_PIXELS),
+        ("BOUND_SHARE", numbers::BOUND_SHARE),
+        ("ROUGH", numbers::ROUGH),
+        ("DOT", numbers::DOT),
+        ("LEFT", numbers::LEFT),
+        ("UNEVEN", numbers::UNEVEN),
     ] {
         let _ = writeln!(out, "const {name} = {value:?}f;");
     }
@@ -181,11 +218,51 @@ fn source(name: &'static str, parts: &[&str]) -> Source {
 pub fn dice(variant: Variant) -> Source {
     let parts = [
         &*variant.constants(),
+        EVALUATE,
         HEIGHT,
         include_str!("wgsl/displace.wgsl"),
         include_str!("wgsl/dice.wgsl"),
     ];
     source("dice", &parts)
+}
+
+/// What the faces of a view need.
+#[must_use]
+pub fn flatness() -> Source {
+    let parts = [
+        &*Variant::default().constants(),
+        EVALUATE,
+        METRIC,
+        TREE,
+        include_str!("wgsl/closed.wgsl"),
+        include_str!("wgsl/flatness.wgsl"),
+    ];
+    source("flatness", &parts)
+}
+
+/// How edges are split by it.
+#[must_use]
+pub fn edges() -> Source {
+    let parts = [
+        &*Variant::default().constants(),
+        EVALUATE,
+        METRIC,
+        TREE,
+        include_str!("wgsl/edges.wgsl"),
+    ];
+    source("edges", &parts)
+}
+
+/// The blocks that come of both.
+#[must_use]
+pub fn blocks() -> Source {
+    source("blocks", &[TREE, include_str!("wgsl/blocks.wgsl")])
+}
+
+/// Prefix sums over faces.
+#[must_use]
+pub fn scan() -> Source {
+    source("scan", &[TREE, include_str!("wgsl/scan.wgsl")])
 }
 
 /// Micro-quads into keys.
@@ -279,6 +356,7 @@ pub fn connectivity() -> Source {
 #[must_use]
 pub fn all() -> Vec<Source> {
     let mut out = vec![film(), face(), edge(), vertex(), connectivity()];
+    out.extend([flatness(), edges(), blocks(), scan()]);
     for variant in Variant::ENDS {
         out.extend([dice(variant), shade(variant)]);
         for by in [Keys::Wide, Keys::TwoPass] {

@@ -34,7 +34,7 @@ pub use edge::Fault;
 pub use lanes::{CornerLanes, PairedBlock, SampleLanes};
 pub use project::{GUARD_BAND, ProjectedBlock, project, project_rows};
 pub use samples::sample_positions;
-pub use setup::{PixelBox, bounds};
+pub use setup::{PixelBox, SCREEN_MARGIN, bounds};
 pub use tile::{Cell, Coverage, Key, Tile, tile_side};
 pub use weights::{barycentrics, list_weights, triangle_weights};
 

@@ -5,7 +5,7 @@ use crate::records::{Projection, ScreenSize};
 
 /// Added to boxes on all sides, 1/256 pixel. Points of a surface inside the hull are evaluated and projected with rounding errors of
 /// their own, far below this; too small a margin would lose samples at tile borders.
-const MARGIN: f32 = 32.0;
+pub const SCREEN_MARGIN: f32 = 32.0;
 
 /// Added to nearest depths, relative; for the same reason.
 pub(super) const DEPTH_MARGIN: f32 = 1.0 + 1.0 / 16384.0;
@@ -101,7 +101,7 @@ pub fn bounds(
     };
     for k in 0..2 {
         // Relative, too: far off positions have coarse floats.
-        let slack = MARGIN + (low[k].abs() + high[k].abs()) * 1e-5;
+        let slack = SCREEN_MARGIN + (low[k].abs() + high[k].abs()) * 1e-5;
         let first = ((low[k] - slack) / 256.0).floor().max(0.0);
         let end = ((high[k] + slack) / 256.0).ceil().min(size[k] as f32);
         if first >= end {

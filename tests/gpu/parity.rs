@@ -17,7 +17,7 @@ fn is_thorough() -> bool {
     std::env::var_os("EARMARK_THOROUGH").is_some()
 }
 
-fn models() -> Vec<PathBuf> {
+pub(crate) fn models() -> Vec<PathBuf> {
     let mut all = crate::common::models(&crate::common::assets());
     if let Some(shared) = crate::common::shared().filter(|_| is_thorough()) {
         all.extend(crate::common::models(&shared.join("models")));

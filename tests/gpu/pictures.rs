@@ -244,7 +244,12 @@ fn tessellated_pictures_are_the_processors() {
             let want = renderer.render(&scene, &camera).unwrap();
             let mut ready = GpuScene::new(&gpu, &renderer, &scene, &camera).unwrap();
             let got = ready.draw().unwrap();
-            assert_eq!(got.stats.microtriangles, want.stats.microtriangles);
+            let [own, other] = [&got.stats.microtriangles, &want.stats.microtriangles];
+            match got.stats.coarse {
+                0 => assert_eq!(own, other),
+                // A few corners are as deep as the device has levels.
+                coarse => assert!(coarse < 100 && own.abs_diff(*other) * 10 < *other, "{own}"),
+            }
             check(&format!("{what}_{name}"), &got.image, &want.image);
             run += 1;
         }
@@ -457,15 +462,20 @@ fn another_view_may_decide() {
     let mut renderer = Renderer::new(160, 120);
     renderer.refinement = Refinement::Default { max_level: 8 };
     let [near, far] = [4.0, 0.5].map(|zoom| Camera::default().with_zoom(zoom));
-    let triangles = |renderer: &Renderer| {
-        let mut ready = GpuScene::new(&gpu, renderer, &scene, &far).unwrap();
+    let triangles = |renderer: &Renderer, camera: &Camera| {
+        let mut ready = GpuScene::new(&gpu, renderer, &scene, camera).unwrap();
         ready.draw().unwrap().stats.microtriangles
     };
-    let own = triangles(&renderer);
-    renderer.decided_by = Some(renderer.view(&scene, &near).unwrap());
-    let want = renderer.render(&scene, &far).unwrap().stats.microtriangles;
-    assert_eq!(triangles(&renderer), want);
+    let [own, want] = [&far, &near].map(|camera| triangles(&renderer, camera));
+    let deciding = renderer.view(&scene, &near).unwrap();
+    renderer.decided_by = Some(deciding);
+    assert_eq!(triangles(&renderer, &far), want);
     assert_ne!(own, want);
+    // Of the processor's blocks as well.
+    let want = renderer.render(&scene, &far).unwrap().stats.microtriangles;
+    let seen = renderer.view(&scene, &far).unwrap();
+    let mut ready = GpuScene::decided_by_processor(&gpu, &renderer, &scene, seen).unwrap();
+    assert_eq!(ready.draw().unwrap().stats.microtriangles, want);
     println!("gpu deciding views: 1 case");
 }
 

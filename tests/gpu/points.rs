@@ -191,6 +191,11 @@ fn compare_with(
 /// Corners of faces where a surface has no normal, because derivatives have one direction: both sides run along one smooth crease, or under
 /// the bilinear rule along one line.
 pub(crate) fn flat_corners(surface: &Surface) -> usize {
+    flat_corners_of(surface).len()
+}
+
+/// The half-edges of the cage that begin there.
+pub(crate) fn flat_corners_of(surface: &Surface) -> Vec<u32> {
     let t = surface.topology();
     let is_sharp = |h: u32| t.edge_sharpness(t.edge(h)) >= INFINITE_SHARPNESS;
     let mut sharp_edges = vec![0; t.vertex_count()];
@@ -219,9 +224,9 @@ pub(crate) fn flat_corners(surface: &Surface) -> usize {
     };
     let all = 0..t.half_count() as u32;
     match surface.scheme() {
-        Scheme::CatmullClark => all.filter(is_flat).count(),
-        Scheme::Bilinear => all.filter(is_straight).count(),
-        _ => 0,
+        Scheme::CatmullClark => all.filter(is_flat).collect(),
+        Scheme::Bilinear => all.filter(is_straight).collect(),
+        _ => Vec::new(),
     }
 }
 

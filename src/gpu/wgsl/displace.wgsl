@@ -1,15 +1,5 @@
 // Points moved along normals, and the normals of what comes out: the arithmetic of src/displace/normal.rs.
 
-// The limit surface at a place: by u, by v, by u twice, by both, by v twice.
-struct Jet {
-    p: vec3<f32>,
-    du: vec3<f32>,
-    dv: vec3<f32>,
-    duu: vec3<f32>,
-    duv: vec3<f32>,
-    dvv: vec3<f32>,
-}
-
 // Texture coordinates there, with their derivatives.
 struct UvJet {
     uv: vec2<f32>,

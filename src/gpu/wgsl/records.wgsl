@@ -152,3 +152,50 @@ struct Step {
     faces: u32,
     padding: u32,
 }
+
+struct Metric {
+    x: vec4<f32>,
+    y: vec4<f32>,
+    h: vec4<f32>,
+    eye: vec4<f32>,
+    right: vec4<f32>,
+    up: vec4<f32>,
+    forward: vec4<f32>,
+    size: vec4<f32>,
+    near: f32,
+    plane: f32,
+    scale: f32,
+    pixels: f32,
+    chord: f32,
+    whole_pixels: f32,
+    whole_radians: f32,
+    max_level: u32,
+    ortho: u32,
+    padding: u32,
+    more_padding: vec2<u32>,
+}
+
+struct Patch {
+    edges: vec4<u32>,
+    net: u32,
+    marks: u32,
+    padding: vec2<u32>,
+}
+
+struct Edge {
+    first: u32,
+    second: u32,
+    marks: u32,
+    padding: u32,
+}
+
+struct Room {
+    blocks: u32,
+    points: u32,
+    moves: u32,
+    quads: u32,
+    spots: u32,
+    faces: u32,
+    parts: u32,
+    padding: u32,
+}

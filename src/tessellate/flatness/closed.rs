@@ -9,7 +9,7 @@ use crate::math;
 use crate::surface::Spline;
 
 /// What is left of the tolerance for rounding.
-const SHARE: f32 = 0.95;
+pub(crate) const SHARE: f32 = 0.95;
 
 type V = [f32; 3];
 

@@ -23,13 +23,13 @@ const LOGS: [u32; 4] = [2, 3, 4, MAX_LOG];
 const FLAT: u8 = 0;
 
 /// How many times as far as is allowed two triangles are, by the bound, of faces for which the first number of samples will not do.
-const ROUGH: f32 = 8.0;
+pub(crate) const ROUGH: f32 = 8.0;
 
 /// Samples, as a power of two, whose last step is trusted to say what the next one adds; of fewer, the next one is looked at.
-const TRUSTED: u32 = 3;
+pub(crate) const TRUSTED: u32 = 3;
 
 /// Steps that are looked at beyond the last one that is wanted, at irregular corners.
-const UNEVEN: u32 = 2;
+pub(crate) const UNEVEN: u32 = 2;
 
 /// Says which faces `is_drawn` (it gets the quad and points whose hull holds it) and finds what those and their neighbours need.
 pub(super) fn needs(

@@ -6,13 +6,13 @@ use crate::tessellate::quadtree::{MAX_LOG, Shape};
 
 /// What a block costs beside its micro-quads, in micro-quads. Drawn, it costs about 20; fewer triangles are worth the difference (measured:
 /// a third fewer for a twentieth more of a frame's time).
-const OVERHEAD: u32 = 6;
+pub(crate) const OVERHEAD: u32 = 6;
 
 /// Depth below a sampled square at which its parts are sampled on their own.
-pub(super) const RESAMPLED: u32 = 3;
+pub(crate) const RESAMPLED: u32 = 3;
 
 /// Need of a square whose samples do not tell.
-pub(super) const DEEPER: u32 = 0x7f;
+pub(crate) const DEEPER: u32 = 0x7f;
 
 /// Mark of a square that cannot be in the picture, beside its level.
 const HIDDEN: u8 = 0x80;

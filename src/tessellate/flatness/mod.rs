@@ -23,6 +23,16 @@ use crate::limits::{Budget, LimitError, Limits};
 use crate::simd::Level;
 use crate::surface::Surface;
 use screen::Metric;
+#[cfg(feature = "gpu")]
+pub(crate) use screen::Numbers;
+
+/// Numbers of the tests, for who makes them elsewhere.
+pub(crate) mod numbers {
+    pub(crate) use super::closed::SHARE as BOUND_SHARE;
+    pub(crate) use super::faces::{ROUGH, TRUSTED, UNEVEN as UNEVEN_STEPS};
+    pub(crate) use super::levels::{DEEPER, OVERHEAD, RESAMPLED};
+    pub(crate) use super::surplus::{DOT, LEFT, UNEVEN};
+}
 
 /// Level that tables are made for at first.
 const FIRST_TABLES: u32 = 4;

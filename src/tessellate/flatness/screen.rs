@@ -3,6 +3,8 @@
 use super::Flatness;
 use super::surplus::Six;
 use crate::camera::View;
+#[cfg(feature = "gpu")]
+use crate::dice::MAX_LEVEL;
 use crate::tessellate::Reach;
 
 /// What the tests leave of the tolerance to what they do not see: inside of a triangle it may be a third further away than along its
@@ -42,6 +44,38 @@ impl Seen {
             along(self.axes[1]),
             along(self.axes[2]),
         ]
+    }
+}
+
+/// What a metric allows, for who measures elsewhere.
+#[cfg(feature = "gpu")]
+pub(crate) struct Numbers {
+    /// Per pixel that the tests allow.
+    pub(crate) pixels: f32,
+    /// Per largest chord between unit normals.
+    pub(crate) chord: f32,
+    /// Pixels and radians that are allowed as a whole.
+    pub(crate) whole: [f32; 2],
+    /// Deepest level.
+    pub(crate) max_level: u32,
+}
+
+#[cfg(feature = "gpu")]
+impl Numbers {
+    /// Of splines, which can be prepared for any level.
+    pub(crate) fn new(view: &View, flatness: &Flatness) -> Self {
+        let reach = Reach {
+            level: MAX_LEVEL,
+            always: false,
+            squares: MAX_LEVEL,
+        };
+        let metric = Metric::new(view, flatness, reach);
+        Self {
+            pixels: metric.pixels,
+            chord: metric.chord,
+            whole: metric.whole,
+            max_level: metric.max_level,
+        }
     }
 }
 

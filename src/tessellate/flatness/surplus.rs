@@ -11,14 +11,14 @@ use crate::simd::Level;
 use crate::tessellate::quadtree::{MAX_LOG, Shape};
 
 /// What a step of the grid below the samples is expected to leave: a quarter where the surface has second derivatives.
-const LEFT: f32 = 0.4;
+pub(crate) const LEFT: f32 = 0.4;
 
 /// What is smaller, in pixels, has no normals of its own to be seen. Moved points make two cells one triangle, which should not be above a
 /// pixel then.
-const DOT: f32 = 0.45;
+pub(crate) const DOT: f32 = 0.45;
 
 /// By how much more than two steps the later ones may add at an irregular corner.
-const UNEVEN: f32 = 1.3;
+pub(crate) const UNEVEN: f32 = 1.3;
 
 /// Planes are whole vectors of any width.
 const LANES: usize = 16;
