@@ -1,7 +1,8 @@
 //! What processor and device share has one layout, and all sources of the device's stages are valid: held by naga, without a GPU.
 
 use earmark::gpu::records::{
-    Block, Chunk, Face, Frame, Lift, Material, Move, Record, Rise, Spot, Stencil, Step, words,
+    Block, Chunk, Face, Frame, Lift, Material, Move, Outputs, Record, Rise, Spot, Stencil, Step,
+    words,
 };
 use earmark::gpu::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -70,6 +71,7 @@ fn records_have_one_layout() {
     check::<Move>(&module);
     check::<Material>(&module);
     check::<Step>(&module);
+    check::<Outputs>(&module);
 }
 
 #[test]

@@ -10,6 +10,8 @@ mod common;
 mod displaced;
 #[path = "gpu/levels.rs"]
 mod levels;
+#[path = "gpu/outputs.rs"]
+mod outputs;
 #[path = "gpu/parity.rs"]
 mod parity;
 #[path = "gpu/pictures.rs"]

@@ -177,7 +177,7 @@ mod with {
         Ok(Finished {
             stats: frame_stats(&drawn.stats),
             image: drawn.image,
-            planes: Vec::new(),
+            planes: drawn.planes,
             view: drawn.view,
         })
     }
@@ -273,7 +273,7 @@ mod with {
         let finished = Finished {
             stats: frame_stats(&drawn.stats),
             image: drawn.image,
-            planes: Vec::new(),
+            planes: drawn.planes,
             view: drawn.view,
         };
         Ok((finished, more))

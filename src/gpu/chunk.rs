@@ -85,7 +85,7 @@ impl ChunkData {
             tangents: u32::from(self.look.tilted),
             cut: u32::from(self.look.cut),
             color_width: self.color_width,
-            padding: 0,
+            shaded: u32::from(self.look.shaded),
             more_padding: [0; 2],
         }
     }

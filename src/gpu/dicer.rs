@@ -71,6 +71,7 @@ pub(super) struct Look {
     pub(super) width: u32,
     pub(super) uv_width: u32,
     pub(super) textured: bool,
+    pub(super) shaded: bool,
     pub(super) tilted: bool,
     pub(super) cut: bool,
     pub(super) rise: Rise,

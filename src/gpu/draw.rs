@@ -1,14 +1,15 @@
 //! A scene on a device, and its pictures.
 
+use super::bands::{Bands, Shared, TIMED};
 use super::device::Gpu;
 use super::error::GpuError;
 use super::further::Further;
-use super::pipelines::{Pipelines, Stage};
+use super::pipelines::Pipelines;
 use super::read_back::{ReadBlock, read, read_floats};
 use super::ready::Ready;
-use super::records::{Frame, POINT_FLOATS, Record, words};
+use super::records::{POINT_FLOATS, words};
 use super::stats::{GpuFrame, GpuStats};
-use super::timer::Timer;
+use super::timer::{self, Timer};
 use super::upload::{DeviceChunk, device_chunk, materials, point_words, textures};
 use super::view::{Drawn, frame_record};
 use super::wgsl::{GROUP, STILL, Variant};
@@ -17,20 +18,6 @@ use crate::film::{Film, Image};
 use crate::frame::{Renderer, Scene};
 use crate::limits::Budget;
 use std::time::{Duration, Instant};
-use wgpu::BufferUsages as Usage;
-
-/// Workgroups that share the list of large quads.
-const LARGE_GROUPS: u32 = 1024;
-
-struct Band {
-    rows: [u32; 2],
-    frame: wgpu::Buffer,
-    /// Per chunk and pass.
-    tile: Vec<Vec<wgpu::BindGroup>>,
-    large: Vec<Vec<wgpu::BindGroup>>,
-    shade: Vec<wgpu::BindGroup>,
-    film: wgpu::BindGroup,
-}
 
 /// A scene whose cage, tables and blocks are on a device. Between pictures its points may move and the view change; what was decided
 /// for the view it was made for (adaptive blocks) stays.
@@ -45,13 +32,7 @@ pub struct GpuScene<'a> {
     moved: bool,
     diced: bool,
     chunks: Vec<DeviceChunk>,
-    bands: Vec<Band>,
-    keys: wgpu::Buffer,
-    sums: wgpu::Buffer,
-    /// A band of the picture.
-    image: wgpu::Buffer,
-    /// The whole picture, on its way down.
-    staging: wgpu::Buffer,
+    bands: Bands,
     timer: Option<Timer>,
     stats: GpuStats,
 }
@@ -63,10 +44,6 @@ impl std::fmt::Debug for GpuScene<'_> {
             .finish_non_exhaustive()
     }
 }
-
-/// Stages of a band that are timed, in the order of their passes. Times of the first band come first; that of `dice` is last, because
-/// pictures may go without.
-const TIMED: [&str; 3] = ["tile", "shade", "film"];
 
 impl<'a> GpuScene<'a> {
     /// Puts `scene` on the device, as `renderer` draws it and `camera` sees it.
@@ -108,13 +85,13 @@ impl<'a> GpuScene<'a> {
         ready: Ready,
         budget: &mut Budget<'_>,
     ) -> Result<Self, GpuError> {
-        let size = drawn.size;
         let Ready {
             chunks,
             points: control_points,
             further,
             heights,
             values,
+            outputs,
             mut stats,
         } = ready;
         let looks = || chunks.iter().map(|c| c.look);
@@ -151,81 +128,22 @@ impl<'a> GpuScene<'a> {
         let (textures, places) = textures(gpu, scene, budget)?;
         scene_bytes += textures.size();
         let materials = gpu.filled("materials", &words(&materials(scene, &places)))?;
-        // Rows of the picture whose keys, and sums of 16 bytes a pixel, fit a binding.
-        let row_bytes = 8 * u64::from(size.width) * u64::from(size.samples.max(2));
-        let rows = (gpu.max_binding / row_bytes).clamp(1, u64::from(size.height)) as u32;
-        let band_pixels = u64::from(size.width) * u64::from(rows);
-        let storage = Usage::STORAGE | Usage::COPY_DST;
-        let keys = gpu.empty("keys", band_pixels * 8 * u64::from(size.samples), storage)?;
-        let sums = gpu.empty("sums", band_pixels * 16, storage)?;
-        let image = gpu.empty("picture", 4 * band_pixels, storage | Usage::COPY_SRC)?;
-        let image_bytes = 4 * u64::from(size.width) * u64::from(size.height);
-        // The picture, and its bytes as they come down.
-        budget.take("the picture", 2 * u128::from(image_bytes), 0)?;
-        let staging = gpu.empty("picture", image_bytes, Usage::COPY_DST | Usage::MAP_READ)?;
-        let mut bands = Vec::new();
-        for start in (0..size.height).step_by(rows as usize) {
-            let end = (start + rows).min(size.height);
-            let frame = gpu.empty(
-                "frame",
-                Frame::SIZE as u64,
-                Usage::UNIFORM | Usage::COPY_DST,
-            )?;
-            let drawn = |stage: &Stage, c: &DeviceChunk, phase: usize| {
-                stage.bind(
-                    gpu,
-                    &[
-                        (0, &frame),
-                        (1, &c.phases[phase]),
-                        (2, &c.blocks),
-                        (3, &c.points),
-                        (4, &keys),
-                        (5, &c.large),
-                        (6, &c.faces),
-                        (7, &materials),
-                        (8, &c.uvs),
-                        (9, &textures),
-                    ],
-                )
-            };
-            let all = |stage: &Stage| -> Vec<Vec<wgpu::BindGroup>> {
-                let of = |c| (0..phases).map(|p| drawn(stage, c, p)).collect();
-                made.iter().map(of).collect()
-            };
-            let shade = made.iter().map(|c| {
-                pipelines.shade.bind(
-                    gpu,
-                    &[
-                        (0, &frame),
-                        (1, &c.phases[0]),
-                        (2, &c.blocks),
-                        (3, &c.points),
-                        (4, &keys),
-                        (5, &c.faces),
-                        (6, &materials),
-                        (7, &sums),
-                        (8, &c.uvs),
-                        (9, &textures),
-                        (10, &c.colors),
-                        (11, &c.tangents),
-                        (12, &c.rise),
-                        (13, &heights),
-                    ],
-                )
-            });
-            let film = [(0, &frame), (1, &sums), (2, &image)];
-            bands.push(Band {
-                rows: [start, end],
-                tile: all(&pipelines.tile),
-                large: all(&pipelines.large),
-                shade: shade.collect(),
-                film: pipelines.film.bind(gpu, &film),
-                frame,
-            });
-        }
+        let shared = Shared {
+            materials: &materials,
+            textures: &textures,
+            heights: &heights,
+        };
+        let bands = Bands::new(
+            gpu,
+            pipelines,
+            (drawn.size, outputs),
+            &made,
+            &shared,
+            budget,
+        )?;
         stats.chunks = made.len() as u32;
         stats.bands = bands.len() as u32;
-        stats.scene_bytes = scene_bytes + keys.size() + sums.size() + image.size();
+        stats.scene_bytes = scene_bytes + bands.bytes();
         Ok(Self {
             gpu,
             drawn,
@@ -239,10 +157,6 @@ impl<'a> GpuScene<'a> {
             stats,
             chunks: made,
             bands,
-            keys,
-            sums,
-            image,
-            staging,
             timer: None,
             pipelines,
         })
@@ -340,43 +254,38 @@ impl<'a> GpuScene<'a> {
             self.moved = false;
             self.diced = false;
         }
-        let mut frame = frame_record(&self.drawn, view);
-        for band in &self.bands {
-            [frame.band_start, frame.band_end] = band.rows;
-            let words = words(&[frame]);
-            queue.write_buffer(&band.frame, 0, bytemuck::cast_slice(&words));
-            stats.bytes_up += 4 * words.len() as u64;
-        }
+        stats.bytes_up += self.bands.send(queue, frame_record(&self.drawn, view));
         let mut timed = (self.bands.len() * TIMED.len()) as u32;
         if !self.diced {
             self.encode_dice(&mut encoder, timed);
             self.diced = true;
             timed += 1;
         }
-        let row_bytes = 4 * u64::from(self.drawn.size.width);
-        for (k, band) in self.bands.iter().enumerate() {
-            self.encode_band(&mut encoder, band, (k * TIMED.len()) as u32);
-            let [start, end] = band.rows.map(|row| u64::from(row) * row_bytes);
-            encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, start, end - start);
-        }
+        let drawn = (self.pipelines, &*self.chunks);
+        let timer = self.timer.as_ref();
+        self.bands.encode(self.gpu, &mut encoder, drawn, timer);
+        let [picture, down] = self.bands.down();
         stats.read_backs += 1;
-        stats.bytes_down += row_bytes * u64::from(self.drawn.size.height);
+        stats.bytes_down += down;
         if let Some(timer) = &self.timer {
             timer.resolve(&mut encoder, timed);
         }
         queue.submit([encoder.finish()]);
-        let bytes = read(self.gpu, &self.staging)?;
+        let bytes = read(self.gpu, self.bands.staging())?;
         stats.wall = begin.elapsed();
         if let Some(timer) = &self.timer {
             stats.stages = self.by_stage(&timer.read(self.gpu, timed)?);
         }
         let mut image = Image::new(self.drawn.size.width, self.drawn.size.height);
-        let length = image.data.len();
-        image.data.copy_from_slice(&bytes[..length]);
+        // Buffers are a little longer.
+        let (pixels, codes) = bytes[..down as usize].split_at(picture as usize);
+        image.data.copy_from_slice(pixels);
+        let planes = self.bands.outputs().planes(view, codes);
         let empty = Film::new(self.drawn.mode.encoding(), self.drawn.background).empty();
         stats.pixels_covered = image.data.chunks_exact(4).filter(|p| **p != empty).count() as u64;
         Ok(GpuFrame {
             image,
+            planes,
             stats,
             view: *view,
         })
@@ -392,20 +301,8 @@ impl<'a> GpuScene<'a> {
         out
     }
 
-    fn pass<'e>(
-        &self,
-        encoder: &'e mut wgpu::CommandEncoder,
-        name: &'static str,
-        number: u32,
-    ) -> wgpu::ComputePass<'e> {
-        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(name),
-            timestamp_writes: self.timer.as_ref().map(|t| t.of_stage(number)),
-        })
-    }
-
     fn encode_dice(&self, encoder: &mut wgpu::CommandEncoder, number: u32) {
-        let mut pass = self.pass(encoder, "dice", number);
+        let mut pass = timer::pass(self.timer.as_ref(), encoder, "dice", number);
         for c in &self.chunks {
             let groups = c.data.spots.div_ceil(GROUP);
             self.pipelines.sides.run(&mut pass, &c.sides, groups);
@@ -413,35 +310,6 @@ impl<'a> GpuScene<'a> {
                 .inside
                 .run(&mut pass, &c.inside, c.data.blocks);
         }
-    }
-
-    /// Draws a band; its passes are numbered from `first` on.
-    fn encode_band(&self, encoder: &mut wgpu::CommandEncoder, band: &Band, first: u32) {
-        let [tile, shade, film] = TIMED;
-        encoder.clear_buffer(&self.keys, 0, None);
-        encoder.clear_buffer(&self.sums, 0, None);
-        for c in &self.chunks {
-            encoder.clear_buffer(&c.large, 0, Some(4));
-        }
-        let p = self.pipelines;
-        let mut pass = self.pass(encoder, tile, first);
-        let phases = self.chunks.first().map_or(0, |c| c.phases.len());
-        for phase in 0..phases {
-            for (k, c) in self.chunks.iter().enumerate() {
-                p.tile.run(&mut pass, &band.tile[k][phase], c.data.blocks);
-                p.large.run(&mut pass, &band.large[k][phase], LARGE_GROUPS);
-            }
-        }
-        drop(pass);
-        let pixels = self.drawn.size.width * (band.rows[1] - band.rows[0]);
-        let groups = pixels.div_ceil(GROUP);
-        let mut pass = self.pass(encoder, shade, first + 1);
-        for bindings in &band.shade {
-            p.shade.run(&mut pass, bindings, groups);
-        }
-        drop(pass);
-        let mut pass = self.pass(encoder, film, first + 2);
-        p.film.run(&mut pass, &band.film, groups);
     }
 
     /// The diced points of all blocks, read back for tests. Nothing before the first picture.

@@ -14,7 +14,10 @@
 //! | `shade` | `shade.wgsl` | a pixel: its samples that show one place of the surface together, as on the processor |
 //! | `film` | `film.wgsl` | a pixel: resolved and encoded |
 //!
-//! Points, normals and keys stay on the device. Up goes what moved: control points and the view. Down comes the picture.
+//! What is written beside the picture ([`Aov`](crate::frame::Aov)) belongs to `shade`: `outputs.wgsl`, a pixel.
+//!
+//! Points, normals and keys stay on the device. Up goes what moved: control points and the view. Down comes the picture,
+//! with what was asked for beside it.
 //!
 //! # Dicing
 //!
@@ -32,12 +35,14 @@
 //! # What is refused
 //!
 //! Displacement by a caller's rule, displacement of patches and of interpolating surfaces, normal and bump maps on these, refinement patterns,
-//! outputs beside the picture, n-gons at level 0 of bilinear surfaces, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
+//! n-gons at level 0 of bilinear surfaces, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
 //! Adaptive blocks, displaced ones among them, are decided on the processor, for the view that a scene was made for.
 
 pub mod records;
 pub mod wgsl;
 
+#[cfg(feature = "gpu")]
+mod bands;
 #[cfg(feature = "gpu")]
 mod chunk;
 #[cfg(feature = "gpu")]
@@ -56,6 +61,8 @@ mod face;
 mod further;
 #[cfg(feature = "gpu")]
 mod levels;
+#[cfg(feature = "gpu")]
+mod outputs;
 #[cfg(feature = "gpu")]
 mod owners;
 #[cfg(feature = "gpu")]

@@ -2,6 +2,7 @@
 
 use super::device::Gpu;
 use super::wgsl::{self, ACROSS, Keys, Source, Variant};
+use std::sync::OnceLock;
 
 /// A stage's pipeline.
 #[derive(Debug)]
@@ -18,6 +19,8 @@ pub(super) struct Pipelines {
     pub(super) large: Stage,
     pub(super) shade: Stage,
     pub(super) film: Stage,
+    outputs: OnceLock<Stage>,
+    variant: Variant,
 }
 
 impl Pipelines {
@@ -31,7 +34,15 @@ impl Pipelines {
             large: stage(gpu, &module(gpu, &wgsl::large(keys, variant)), "main"),
             shade: stage(gpu, &module(gpu, &wgsl::shade(variant)), "main"),
             film: stage(gpu, &module(gpu, &wgsl::film()), "main"),
+            outputs: OnceLock::new(),
+            variant,
         }
+    }
+
+    /// What writes outputs beside the picture, made when they are first asked for.
+    pub(super) fn outputs(&self, gpu: &Gpu) -> &Stage {
+        let source = || wgsl::outputs(self.variant);
+        (self.outputs).get_or_init(|| stage(gpu, &module(gpu, &source()), "main"))
     }
 }
 

@@ -56,9 +56,6 @@ pub(super) struct Plan {
 /// Refuses what this backend does not draw.
 fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
     let refuse = |what| Err(GpuError::Unsupported { what });
-    if !renderer.aovs.is_empty() {
-        return refuse("outputs beside the picture");
-    }
     for object in &scene.objects {
         let surface = &object.surface;
         if renderer.drawing == Drawing::Cage {

@@ -172,7 +172,7 @@ record! {
         width: u32,
         /// The same of texture coordinates: 1 or 3.
         uv_width: u32,
-        /// 1 where shading reads texture coordinates.
+        /// 1 where there are texture coordinates at points.
         textured: u32,
         /// 1 where normals are tilted pixel by pixel.
         tangents: u32,
@@ -180,8 +180,8 @@ record! {
         cut: u32,
         /// Weights of a colour by a control point, of which the first is read.
         color_width: u32,
-        /// Nothing.
-        padding: u32,
+        /// 1 where shading reads texture coordinates; outputs beside the picture read those that are there.
+        shaded: u32,
         /// Nothing.
         more_padding: [u32; 2],
     }
@@ -373,6 +373,43 @@ record! {
         relief_map: u32,
         /// What white of a bump map stands for; 0 of a normal map.
         bump: f32,
+    }
+}
+
+record! {
+    /// What is written beside the picture: where the codes of each output begin among the words of a pixel, all bits where it is not
+    /// wanted. A uniform.
+    Outputs {
+        /// What code 0 of positions means.
+        position_low: [f32; 4],
+        /// What their code 65535 means.
+        position_high: [f32; 4],
+        /// The same of texture coordinates: u and v of 0, then of 65535.
+        uv_range: [f32; 4],
+        /// Samples of a pixel, nearest to its centre first.
+        order: [[u32; 4]; 4],
+        /// Words of a pixel.
+        words: u32,
+        /// Depth.
+        depth: u32,
+        /// Normal.
+        normal: u32,
+        /// Position.
+        position: u32,
+        /// Colour without light.
+        albedo: u32,
+        /// Texture coordinates.
+        uv: u32,
+        /// Face of the cage.
+        face: u32,
+        /// Level of subdivision.
+        level: u32,
+        /// Share of the samples that show anything.
+        coverage: u32,
+        /// Nothing.
+        padding: u32,
+        /// Nothing.
+        more_padding: [u32; 2],
     }
 }
 

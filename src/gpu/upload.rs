@@ -93,11 +93,12 @@ pub(super) fn point_words(points: &[[f32; 3]]) -> Vec<u32> {
     points.iter().flatten().map(|c| c.to_bits()).collect()
 }
 
-fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
+/// A uniform with one record.
+pub(super) fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
     let mut words = Vec::new();
     record.put(&mut words);
     let usage = Usage::UNIFORM | Usage::COPY_DST;
-    let buffer = gpu.empty("numbers of a chunk", R::SIZE as u64, usage)?;
+    let buffer = gpu.empty("numbers", R::SIZE as u64, usage)?;
     gpu.queue()
         .write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
     Ok(buffer)

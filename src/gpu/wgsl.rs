@@ -59,6 +59,7 @@ const HEIGHT: &str = include_str!("wgsl/height.wgsl");
 const SCREEN: &str = include_str!("wgsl/screen.wgsl");
 const TEXTURE: &str = include_str!("wgsl/texture.wgsl");
 const SURFACE: &str = include_str!("wgsl/surface.wgsl");
+const ENCODE: &str = include_str!("wgsl/encode.wgsl");
 const CUTOUT: &str = include_str!("wgsl/cutout.wgsl");
 const WIDE: &str = include_str!("wgsl/wide.wgsl");
 
@@ -221,11 +222,11 @@ pub fn large(by: Keys, variant: Variant) -> Source {
     source("large", &parts)
 }
 
-/// Keys into colours.
-#[must_use]
-pub fn shade(variant: Variant) -> Source {
+/// What reads the surface that samples show.
+fn of_shown(name: &'static str, variant: Variant, own: &[&str]) -> Source {
+    let constants = variant.constants();
     let parts = [
-        &*variant.constants(),
+        &*constants,
         SCREEN,
         WIDE,
         SURFACE,
@@ -233,15 +234,28 @@ pub fn shade(variant: Variant) -> Source {
         HEIGHT,
         include_str!("wgsl/light.wgsl"),
         include_str!("wgsl/relief.wgsl"),
-        include_str!("wgsl/shade.wgsl"),
+        include_str!("wgsl/shown.wgsl"),
     ];
-    source("shade", &parts)
+    source(name, &[&parts, own].concat())
+}
+
+/// Keys into colours.
+#[must_use]
+pub fn shade(variant: Variant) -> Source {
+    of_shown("shade", variant, &[include_str!("wgsl/shade.wgsl")])
+}
+
+/// Keys into codes of what is written beside the picture.
+#[must_use]
+pub fn outputs(variant: Variant) -> Source {
+    let own = [ENCODE, include_str!("wgsl/outputs.wgsl")];
+    of_shown("outputs", variant, &own)
 }
 
 /// Colours into bytes.
 #[must_use]
 pub fn film() -> Source {
-    source("film", &[include_str!("wgsl/film.wgsl")])
+    source("film", &[ENCODE, include_str!("wgsl/film.wgsl")])
 }
 
 const LEVELS: &str = include_str!("wgsl/levels_shared.wgsl");
@@ -280,7 +294,7 @@ pub fn connectivity() -> Source {
 pub fn all() -> Vec<Source> {
     let mut out = vec![film(), face(), edge(), vertex(), connectivity()];
     for variant in Variant::ENDS {
-        out.extend([dice(variant), shade(variant)]);
+        out.extend([dice(variant), shade(variant), outputs(variant)]);
         for by in [Keys::Wide, Keys::TwoPass] {
             out.extend([tile(by, variant), large(by, variant)]);
         }

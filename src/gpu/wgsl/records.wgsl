@@ -49,7 +49,7 @@ struct Chunk {
     tangents: u32,
     cut: u32,
     color_width: u32,
-    padding: u32,
+    shaded: u32,
     more_padding: vec2<u32>,
 }
 
@@ -144,6 +144,24 @@ struct Material {
     opacity_map: u32,
     relief_map: u32,
     bump: f32,
+}
+
+struct Outputs {
+    position_low: vec4<f32>,
+    position_high: vec4<f32>,
+    uv_range: vec4<f32>,
+    order: array<vec4<u32>, 4>,
+    words: u32,
+    depth: u32,
+    normal: u32,
+    position: u32,
+    albedo: u32,
+    uv: u32,
+    face: u32,
+    level: u32,
+    coverage: u32,
+    padding: u32,
+    more_padding: vec2<u32>,
 }
 
 struct Step {
