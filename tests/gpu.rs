@@ -14,6 +14,10 @@ mod levels;
 mod outputs;
 #[path = "gpu/parity.rs"]
 mod parity;
+#[path = "gpu/patches.rs"]
+mod patches;
+#[path = "gpu/patterns.rs"]
+mod patterns;
 #[path = "gpu/pictures.rs"]
 mod pictures;
 #[path = "gpu/points.rs"]

@@ -101,6 +101,7 @@ impl Bands {
                         (7, shared.materials),
                         (8, &c.uvs),
                         (9, shared.textures),
+                        (10, &c.lists),
                     ],
                 )
             };
@@ -125,6 +126,7 @@ impl Bands {
                         (11, &c.tangents),
                         (12, &c.rise),
                         (13, shared.heights),
+                        (15, &c.lists),
                     ];
                     stage.bind(gpu, &[&read, own].concat())
                 };

@@ -99,6 +99,7 @@ impl<'a> GpuScene<'a> {
             lifted: looks().any(|l| l.rise.shape != STILL),
             tilted: looks().any(|l| l.tilted),
             cut: looks().any(|l| l.cut),
+            listed: chunks.iter().any(|c| !c.lists.is_empty()),
         })?;
         let control = [
             point_words(&control_points),
@@ -306,6 +307,9 @@ impl<'a> GpuScene<'a> {
         for c in &self.chunks {
             let groups = c.data.spots.div_ceil(GROUP);
             self.pipelines.sides.run(&mut pass, &c.sides, groups);
+            if let Some(curves) = &c.curves {
+                self.pipelines.curves.run(&mut pass, curves, groups);
+            }
             self.pipelines
                 .inside
                 .run(&mut pass, &c.inside, c.data.blocks);

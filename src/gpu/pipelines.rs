@@ -14,6 +14,7 @@ pub(super) struct Stage {
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub(super) sides: Stage,
+    pub(super) curves: Stage,
     pub(super) inside: Stage,
     pub(super) tile: Stage,
     pub(super) large: Stage,
@@ -29,6 +30,7 @@ impl Pipelines {
         let dice = module(gpu, &wgsl::dice(variant));
         Self {
             sides: stage(gpu, &dice, "sides"),
+            curves: stage(gpu, &dice, "curves"),
             inside: stage(gpu, &dice, "inside"),
             tile: stage(gpu, &module(gpu, &wgsl::tile(keys, variant)), "main"),
             large: stage(gpu, &module(gpu, &wgsl::large(keys, variant)), "main"),

@@ -60,10 +60,19 @@ fn look<'a>(
     let shaded = wants_uvs.shading && surface.has_uvs();
     let has_tangents = !is_cage && !plan.polygonal;
     let tilted = shaded && has_tangents && (scene.has_relief() || object.is_shaded_by_map());
+    let interpolates = surface.scheme().is_interpolating();
     let by_map = displacement.is_some_and(Displacement::needs_uvs);
     Ok(Look {
-        width: if displacement.is_some() { 6 } else { 3 },
-        uv_width: if tilted || by_map { 3 } else { 1 },
+        // Interpolating surfaces have no formula for derivatives.
+        width: match displacement.is_some() && !interpolates {
+            true => 6,
+            false => 3,
+        },
+        uv_width: match (tilted || by_map) && !interpolates {
+            true => 3,
+            false => 1,
+        },
+        differences: interpolates && !plan.polygonal && (tilted || displacement.is_some()),
         textured: shaded || wants_uvs.outputs && surface.has_uvs(),
         shaded,
         tilted,

@@ -3,7 +3,7 @@
 use super::dicer::{Dicer, Shown};
 use super::error::GpuError;
 use super::surroundings::{Finder, Surroundings};
-use super::tables;
+use super::{tables, uv_tables};
 use crate::frame::Drawing;
 use crate::limits::Budget;
 use crate::topology::NONE;
@@ -77,8 +77,11 @@ impl Dicer<'_> {
         }
         budget.take("the faces of the GPU backend", bytes as u128, 0)?;
         let wanted: Vec<_> = shapes.all.iter().zip(levels).collect();
-        if self.shown != Shown::Pn {
+        if !self.is_apart() {
             self.tables = tables::make(self.surface, &wanted, drawing, self.look.width, budget)?;
+        }
+        if self.shown == Shown::Qas {
+            self.base_tables = tables::make_base(self.surface, &wanted, self.look.width, budget)?;
         }
         let (numbers, wanted) = self.numbered(&color_faces, &shapes.all);
         self.color_numbers = numbers;
@@ -91,7 +94,7 @@ impl Dicer<'_> {
         )?;
         let (numbers, wanted) = self.numbered(&uv_faces, &uv_shapes.all);
         self.uv_numbers = numbers;
-        self.uv_tables = tables::make_uvs(self.surface, &wanted, self.look.uv_width, budget)?;
+        self.uv_tables = uv_tables::make_uvs(self.surface, &wanted, self.look.uv_width, budget)?;
         Ok(())
     }
 
@@ -106,7 +109,7 @@ impl Dicer<'_> {
         let mut wanted: Vec<tables::Wanted<'s>> = Vec::new();
         let mut of_faces = HashMap::new();
         for &[face, shape] in faces {
-            let level = match self.shown.is_patches() {
+            let level = match self.is_apart() {
                 true => self.drawn_levels[&face],
                 false => self.tables[self.faces[&face].shape as usize].level,
             };

@@ -20,7 +20,10 @@ pub(super) struct DeviceChunk {
     pub(super) colors: wgpu::Buffer,
     pub(super) tangents: wgpu::Buffer,
     pub(super) rise: wgpu::Buffer,
+    pub(super) lists: wgpu::Buffer,
     pub(super) sides: wgpu::BindGroup,
+    /// Where patches are displaced.
+    pub(super) curves: Option<wgpu::BindGroup>,
     pub(super) inside: wgpu::BindGroup,
     /// Which blocks there are.
     pub(super) named: Vec<NamedBlock>,
@@ -127,6 +130,7 @@ pub(super) fn device_chunk(
     let phases = (0..phases)
         .map(|phase| uniform(gpu, &data.record(phase as u32)))
         .collect::<Result<Vec<_>, _>>()?;
+    let lists = gpu.filled("lists of triangles", &data.lists)?;
     let rise = uniform(gpu, &data.look.rise)?;
     // A binding holds one record at least.
     let lifts = match &data.lifts[..] {
@@ -144,6 +148,7 @@ pub(super) fn device_chunk(
         (12, &rise),
         (14, heights),
     ];
+    let has_curves = data.lifts.iter().any(|l| l.curved != 0);
     let side_bindings = [&shared[..], &[(5, &spots), (13, &lifts)]].concat();
     let has_uvs = data.look.textured && data.faces.iter().any(|f| f.uv_count > 0);
     let uv_bytes = if has_uvs {
@@ -176,7 +181,7 @@ pub(super) fn device_chunk(
     let inside_bindings = [&shared[..], &own].concat();
     let all = [
         &gathers, &weights, &stencils, &spots, &faces, &blocks, &moves, &points, &large, &uvs,
-        &colors, &tangents, &lifts,
+        &colors, &tangents, &lifts, &lists,
     ];
     *scene_bytes += all.iter().map(|b| b.size()).sum::<u64>();
     Ok(DeviceChunk {
@@ -186,6 +191,7 @@ pub(super) fn device_chunk(
             points: data.points(),
         },
         sides: pipelines.sides.bind(gpu, &side_bindings),
+        curves: has_curves.then(|| pipelines.curves.bind(gpu, &side_bindings)),
         inside: pipelines.inside.bind(gpu, &inside_bindings),
         named: data.named,
         points,
@@ -194,6 +200,7 @@ pub(super) fn device_chunk(
         colors,
         tangents,
         rise,
+        lists,
         blocks,
         faces,
         phases,

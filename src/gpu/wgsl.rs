@@ -133,6 +133,8 @@ pub struct Variant {
     pub tilted: bool,
     /// Whether anything is cut out by opacity maps.
     pub cut: bool,
+    /// Whether blocks are lists of triangles.
+    pub listed: bool,
 }
 
 impl Variant {
@@ -142,21 +144,24 @@ impl Variant {
             lifted: false,
             tilted: false,
             cut: false,
+            listed: false,
         },
         Self {
             lifted: true,
             tilted: true,
             cut: true,
+            listed: true,
         },
     ];
     /// How many there are.
     #[cfg(feature = "gpu")]
-    pub(super) const COUNT: usize = 8;
+    pub(super) const COUNT: usize = 16;
 
     /// Its number.
     #[cfg(feature = "gpu")]
     pub(super) fn number(self) -> usize {
-        usize::from(self.lifted) | usize::from(self.tilted) << 1 | usize::from(self.cut) << 2
+        let all = [self.lifted, self.tilted, self.cut, self.listed];
+        (all.iter().rev()).fold(0, |number, &is| number << 1 | usize::from(is))
     }
 
     fn constants(self) -> String {
@@ -164,6 +169,7 @@ impl Variant {
             ("LIFTED", self.lifted),
             ("TILTED", self.tilted),
             ("CUT", self.cut),
+            ("LISTED", self.listed),
         ];
         of.map(|(name, is)| format!("const {name} = {is};\n"))
             .concat()
@@ -184,6 +190,8 @@ pub fn dice(variant: Variant) -> Source {
         &*variant.constants(),
         HEIGHT,
         include_str!("wgsl/displace.wgsl"),
+        include_str!("wgsl/patch.wgsl"),
+        include_str!("wgsl/sides.wgsl"),
         include_str!("wgsl/dice.wgsl"),
     ];
     source("dice", &parts)

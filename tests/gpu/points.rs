@@ -590,7 +590,7 @@ fn differing(surface: &Surface, blocks: &[ReadBlock]) -> (usize, usize) {
 }
 
 /// Points that faces share have the same bits; returns how many there are.
-fn assert_shared(surface: &Surface, blocks: &[ReadBlock], what: &str) -> usize {
+pub(crate) fn assert_shared(surface: &Surface, blocks: &[ReadBlock], what: &str) -> usize {
     let (differ, compared) = differing(surface, blocks);
     assert_eq!(differ, 0, "{what}: {differ} of {compared}");
     compared

@@ -65,7 +65,9 @@ fn software_is_refused_unless_allowed() {
     assert_eq!(faces.dimensions(), (128, 96));
     assert!(faces.pixels().any(|p| p.0 != [0; 3]));
     // What it cannot draw it does not draw otherwise.
-    arguments.extend(["--surface", "pn", "--displace-noise", "perlin"]);
+    arguments[1] = "assets/part_creased.obj";
+    arguments.extend(["--scheme", "bilinear", "-l", "0"]);
+    arguments.drain(6..8);
     let refused = earmark(&arguments);
     assert_eq!(refused.status.code(), Some(6));
     let listed = earmark(&["info", "--gpu", "--json"]);

@@ -50,7 +50,8 @@ struct Chunk {
     cut: u32,
     color_width: u32,
     shaded: u32,
-    more_padding: vec2<u32>,
+    differences: u32,
+    padding: u32,
 }
 
 struct Rise {
@@ -73,6 +74,7 @@ struct Rise {
 }
 
 struct Lift {
+    curve: vec4<u32>,
     uv_gather: u32,
     uv_count: u32,
     uv_table: u32,
@@ -82,7 +84,9 @@ struct Lift {
     own_table: u32,
     mitre: u32,
     mitre_count: u32,
-    padding: array<u32, 3>,
+    curved: u32,
+    mitre_curves: u32,
+    padding: u32,
 }
 
 struct Stencil {
@@ -102,6 +106,8 @@ struct Spot {
 struct Face {
     corners: vec4<u32>,
     sides: vec4<u32>,
+    base_corners: vec4<u32>,
+    base_sides: vec4<u32>,
     turns: u32,
     stencil: u32,
     row: u32,
@@ -128,7 +134,9 @@ struct Block {
     moves: u32,
     move_count: u32,
     level: u32,
-    padding: array<u32, 3>,
+    list: u32,
+    list_count: u32,
+    around: u32,
 }
 
 struct Move {

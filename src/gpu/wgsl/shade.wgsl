@@ -82,7 +82,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         var count = 1.0;
         // Shaded together under light alone: other pictures show each sample.
-        let reach = (1u << blocks[id.rank - chunk.first_rank].log) / 8u;
+        let block = blocks[id.rank - chunk.first_rank];
+        let reach = select((1u << block.log) / 8u, 0u, LISTED && block.list_count > 0u);
         if frame.mode == LIT {
             for (var t = s + 1u; t < frame.samples; t++) {
                 let other = 2u * (pixel * frame.samples + t);

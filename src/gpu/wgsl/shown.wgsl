@@ -19,6 +19,7 @@
 @group(0) @binding(11) var<storage, read> tangents: array<f32>;
 @group(0) @binding(12) var<uniform> rise: Rise;
 @group(0) @binding(13) var<storage, read> heights: array<f32>;
+@group(0) @binding(15) var<storage, read> lists: array<u32>;
 
 fn normal_at(at: u32) -> vec3<f32> {
     return vec3<f32>(points[POINT_FLOATS * at + 3u], points[POINT_FLOATS * at + 4u], points[POINT_FLOATS * at + 5u]);
@@ -71,34 +72,31 @@ fn shown(id: Id, p: vec2<i32>) -> Shown {
     var out: Shown;
     let block = blocks[id.rank - chunk.first_rank];
     let face = faces[block.face];
-    let side_len = (1u << block.log) + 1u;
-    let first = block.base + id.line * side_len + id.col;
-    let at_m = first + select(1u, side_len, id.half == 1u);
-    let at_c = first + side_len + 1u;
-    let a = position(first);
-    let m = position(at_m);
-    let c = position(at_c);
-    let at = weights(a, m, c, id.half, p);
+    let corners = corners_of(block, id);
+    let a = position(corners.a);
+    let m = position(corners.m);
+    let c = position(corners.c);
+    let at = weights(a, m, c, corners.half, p);
     out.side = at.side;
     out.place = (at.w.x * a + at.w.y * m) + at.w.z * c;
-    out.geometric = cross(m - a, c - a) * select(1.0, -1.0, id.half == 1u);
-    out.n = (at.w.x * normal_at(first) + at.w.y * normal_at(at_m)) + at.w.z * normal_at(at_c);
+    out.geometric = cross(m - a, c - a) * select(1.0, -1.0, corners.half == 1u);
+    out.n = (at.w.x * normal_at(corners.a) + at.w.y * normal_at(corners.m)) + at.w.z * normal_at(corners.c);
     out.face = face.number;
     out.level = block.level;
     // The last one is that of faces without any.
     out.material = min(face.material, arrayLength(&materials) - 1u);
     out.textured = chunk.shaded != 0u && face.uv_count > 0u;
     if chunk.textured != 0u && face.uv_count > 0u {
-        out.uv = (at.w.x * uvs[first] + at.w.y * uvs[at_m]) + at.w.z * uvs[at_c];
+        out.uv = (at.w.x * uvs[corners.a] + at.w.y * uvs[corners.m]) + at.w.z * uvs[corners.c];
     }
     let is_tilted = TILTED && out.textured && chunk.tangents != 0u;
     out.relief = is_tilted && rise.per_pixel == 0u;
     if out.textured && (materials[out.material].map != NONE || is_tilted) {
-        out.footprint = footprint_at(block.base, side_len, id, at.w);
+        out.footprint = footprint_at(block, id, corners, at.w);
     }
     if is_tilted {
-        out.along = (at.w.x * tangent_at(first, 0u) + at.w.y * tangent_at(at_m, 0u)) + at.w.z * tangent_at(at_c, 0u);
-        out.across = (at.w.x * tangent_at(first, 1u) + at.w.y * tangent_at(at_m, 1u)) + at.w.z * tangent_at(at_c, 1u);
+        out.along = (at.w.x * tangent_at(corners.a, 0u) + at.w.y * tangent_at(corners.m, 0u)) + at.w.z * tangent_at(corners.c, 0u);
+        out.across = (at.w.x * tangent_at(corners.a, 1u) + at.w.y * tangent_at(corners.m, 1u)) + at.w.z * tangent_at(corners.c, 1u);
         if rise.per_pixel != 0u {
             let size = vec2<f32>(f32(rise.width), f32(rise.height));
             let slope = map_slope(out.uv, slope_step(size, out.footprint));
@@ -107,7 +105,7 @@ fn shown(id: Id, p: vec2<i32>) -> Shown {
     }
     out.color = vec3<f32>(1.0);
     if face.colors > 0u {
-        let c = (at.w.x * color_at(first) + at.w.y * color_at(at_m)) + at.w.z * color_at(at_c);
+        let c = (at.w.x * color_at(corners.a) + at.w.y * color_at(corners.m)) + at.w.z * color_at(corners.c);
         out.color = max(c, vec3<f32>(0.0));
     }
     return out;
