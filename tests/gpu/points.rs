@@ -568,7 +568,11 @@ fn side(block: &ReadBlock, c: usize, numbers: usize) -> Vec<Vec<u32>> {
 fn differing(surface: &Surface, blocks: &[ReadBlock]) -> (usize, usize) {
     let t = surface.quads();
     let (mut differ, mut compared) = (0, 0);
-    let is_faceted = surface.scheme() == Scheme::Bilinear || surface.patch_kind() == PatchKind::Pn;
+    // Normals from differences are each face's own, too.
+    let interpolates = [Scheme::Kobbelt, Scheme::Butterfly].contains(&surface.scheme());
+    let is_faceted = surface.scheme() == Scheme::Bilinear
+        || surface.patch_kind() == PatchKind::Pn
+        || interpolates && surface.displacement().is_some();
     let numbers = if is_faceted { 3 } else { 6 };
     let of = |quad: u32| blocks.iter().find(|b| b.quad == quad);
     for h in 0..t.half_count() as u32 {
