@@ -12,8 +12,14 @@ mod displaced;
 mod flatness;
 #[path = "gpu/levels.rs"]
 mod levels;
+#[path = "gpu/outputs.rs"]
+mod outputs;
 #[path = "gpu/parity.rs"]
 mod parity;
+#[path = "gpu/patches.rs"]
+mod patches;
+#[path = "gpu/patterns.rs"]
+mod patterns;
 #[path = "gpu/pictures.rs"]
 mod pictures;
 #[path = "gpu/points.rs"]

@@ -190,7 +190,7 @@ mod with {
         Ok(Finished {
             stats: frame_stats(&drawn.stats),
             image: drawn.image,
-            planes: Vec::new(),
+            planes: drawn.planes,
             view: drawn.view,
         })
     }
@@ -288,7 +288,7 @@ mod with {
         let finished = Finished {
             stats: frame_stats(&drawn.stats),
             image: drawn.image,
-            planes: Vec::new(),
+            planes: drawn.planes,
             view: drawn.view,
         };
         Ok((finished, more))

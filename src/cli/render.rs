@@ -305,13 +305,8 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     check(&a.displace, &a.level)?;
     if a.picture.backend == Backend::Gpu {
         gpu::check()?;
-        for (given, what) in [
-            (!a.views.is_empty(), "sheets of --views"),
-            (!a.aov.is_empty(), "the outputs of --aov"),
-        ] {
-            if given {
-                draw::check_backend(&a.picture, what)?;
-            }
+        if !a.views.is_empty() {
+            draw::check_backend(&a.picture, "sheets of --views")?;
         }
         draw::check_lines_alone(&a.picture)?;
     }

@@ -102,7 +102,7 @@ impl Aov {
         (self.channels() * self.bits() / 8) as usize
     }
     /// Byte of a pixel that shows nothing.
-    const fn nothing(self) -> u8 {
+    pub(crate) const fn nothing(self) -> u8 {
         match self {
             Self::Depth => 255,
             _ => 0,
@@ -181,13 +181,13 @@ impl Plane {
 
 /// What a frame writes beside its picture, and over which ranges.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Wanted {
-    pub(super) aovs: Vec<Aov>,
-    position: [[f32; 3]; 2],
-    uv: [[f32; 3]; 2],
-    depth: [f32; 2],
+pub(crate) struct Wanted {
+    pub(crate) aovs: Vec<Aov>,
+    pub(crate) position: [[f32; 3]; 2],
+    pub(crate) uv: [[f32; 3]; 2],
+    pub(crate) depth: [f32; 2],
     /// Samples of a pixel, nearest to its centre first.
-    nearest: Vec<u32>,
+    pub(crate) nearest: Vec<u32>,
 }
 
 impl Wanted {
@@ -210,7 +210,7 @@ impl Wanted {
         }
     }
 
-    pub(super) fn wants(&self, aov: Aov) -> bool {
+    pub(crate) fn wants(&self, aov: Aov) -> bool {
         self.aovs.contains(&aov)
     }
 
@@ -234,13 +234,13 @@ impl Wanted {
     }
 
     /// Bytes of all outputs for so many pixels.
-    pub(super) fn bytes(&self, pixels: u128) -> u128 {
+    pub(crate) fn bytes(&self, pixels: u128) -> u128 {
         let each = self.aovs.iter().map(|a| a.pixel_bytes() as u128);
         each.sum::<u128>() * pixels
     }
 
     /// Empty outputs of the whole picture.
-    pub(super) fn planes(&self, width: u32, height: u32) -> Vec<Plane> {
+    pub(crate) fn planes(&self, width: u32, height: u32) -> Vec<Plane> {
         let pixels = width as usize * height as usize;
         let wide = |v: [f32; 3]| v.map(f64::from);
         let plane = |&aov: &Aov| {

@@ -45,6 +45,8 @@ use crate::texture::Texture;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+#[cfg(feature = "gpu")]
+pub(crate) use aov::Wanted;
 pub use aov::{Aov, Plane};
 #[cfg(feature = "gpu")]
 pub(crate) use leaf::triangles as leaf_triangles;
@@ -268,7 +270,7 @@ impl Renderer {
     }
 
     /// What is written beside the picture of a scene.
-    fn wanted(&self, scene: &Scene, view: &View) -> Result<aov::Wanted, RenderError> {
+    pub(crate) fn wanted(&self, scene: &Scene, view: &View) -> Result<aov::Wanted, RenderError> {
         let mut wanted = aov::Wanted::new(&self.aovs, view, self.size.samples);
         if wanted.wants(Aov::Position) {
             wanted.set_sphere(&scene.framed_sphere(self.drawing));

@@ -2,10 +2,11 @@
 //! A side between two chunks is in both, by the same sums of the same numbers in the same pipeline.
 
 use super::deciding::Deciding;
-use super::dicer::{Dicer, FaceTable, Look, Shown};
+use super::dicer::{Dicer, Look, Shown};
 use super::error::GpuError;
+use super::lists::PlannedList;
 use super::plan::{ObjectPlan, PlannedBlock};
-use super::records::{Block, Chunk, Face, Lift, Move, POINT_FLOATS, Record, Spot, Stencil, words};
+use super::records::{Block, Chunk, Face, Lift, Move, Record, Spot, Stencil, words};
 use super::wgsl::{BLOCK_BITS, PN, QAS};
 use crate::limits::Budget;
 use std::collections::HashMap;
@@ -45,6 +46,8 @@ pub(super) struct ChunkData {
     pub(super) deciding: Option<Deciding>,
     /// Of each spot of a displaced surface.
     pub(super) lifts: Vec<Lift>,
+    /// Triangles of blocks that are lists, as [`PlannedList`](super::lists::PlannedList) has them.
+    pub(super) lists: Vec<u32>,
 }
 
 impl ChunkData {
@@ -66,7 +69,8 @@ impl ChunkData {
 
     /// Bytes of all.
     pub(super) fn bytes(&self) -> u128 {
-        4 * (self.weights.len() + self.gathers.len()) as u128 + self.record_bytes()
+        4 * (self.weights.len() + self.gathers.len() + self.lists.len()) as u128
+            + self.record_bytes()
     }
 
     pub(super) fn record(&self, phase: u32) -> Chunk {
@@ -88,8 +92,9 @@ impl ChunkData {
             tangents: u32::from(self.look.tilted),
             cut: u32::from(self.look.cut),
             color_width: self.color_width,
+            shaded: u32::from(self.look.shaded),
+            differences: u32::from(self.look.differences),
             padding: 0,
-            more_padding: [0; 2],
         }
     }
 
@@ -118,6 +123,9 @@ pub(super) struct There {
     pub(super) points: Listed,
     /// Those of sides alone.
     pub(super) rims: Listed,
+    /// The same of what quadratic patches run through.
+    pub(super) base: Listed,
+    pub(super) base_rims: Listed,
     pub(super) colors: Listed,
     /// By quad, and whether they are those of its sides alone.
     pub(super) uvs: HashMap<(u32, bool), [u32; 3]>,
@@ -128,6 +136,11 @@ pub(super) struct There {
     /// Spots, by the half-edge that owns their normals.
     pub(super) corners: HashMap<u32, u32>,
     pub(super) sides: HashMap<u32, u32>,
+    /// The same of what quadratic patches run through.
+    pub(super) base_corners: HashMap<u32, u32>,
+    pub(super) base_sides: HashMap<u32, u32>,
+    /// Where lists begin, by their numbers.
+    pub(super) lists: HashMap<u32, u32>,
 }
 
 /// Makes the chunks of a scene.
@@ -141,9 +154,6 @@ pub(super) struct Builder {
 
 /// Tables of points begin at multiples of this many words, whatever their width.
 pub(super) const ALIGNED: u32 = 6;
-
-/// Most bytes that alignment takes for a table.
-const SLACK: u64 = 4 * ALIGNED as u64;
 
 /// Blocks of a chunk that an entry of the list of large quads can name.
 const MOST_BLOCKS: usize = 1 << (u32::BITS - 2 * BLOCK_BITS);
@@ -197,94 +207,6 @@ impl Builder {
         all
     }
 
-    /// Bytes of weights and gathers of the sides of more quads.
-    pub(super) fn rim_bytes(&self, dicer: &Dicer<'_>, quads: &[u32]) -> Result<[u64; 2], GpuError> {
-        let (mut weights, mut gathers, mut seen) = (0, 0, Vec::new());
-        for &quad in quads {
-            if self.there.rims.stencils.contains_key(&quad) {
-                continue;
-            }
-            let FaceTable { number, table, .. } = dicer.table(quad)?;
-            gathers += 4 * table.columns.len() as u64;
-            if !self.there.rims.tables.contains_key(&number) && !seen.contains(&number) {
-                weights += table.rim_bytes() + SLACK;
-                seen.push(number);
-            }
-        }
-        Ok([weights, gathers])
-    }
-
-    /// Bytes of points, weights, gathers, and what spots take from elsewhere, with one more face; points are not kept here.
-    fn bytes_with(&self, dicer: &Dicer<'_>, blocks: &[PlannedBlock]) -> Result<[u64; 4], GpuError> {
-        if dicer.shown == Shown::Polygons {
-            return Ok(self.polygon_bytes(dicer, blocks));
-        }
-        if dicer.polygonal {
-            return self.sector_bytes(dicer, blocks[0].quad);
-        }
-        let whole = dicer.surface.whole_quads();
-        let points: u64 = blocks.iter().map(|b| ((1_u64 << b.log) + 1).pow(2)).sum();
-        let mut points = u64::from(self.data.points()) + points;
-        let mut spots = 0;
-        for h in whole.face_halves(blocks[0].quad) {
-            spots += 1_u64 << dicer.side_level(h)?;
-        }
-        points += spots;
-        let mut weights = 4 * self.data.weights.len() as u64;
-        let mut gathers = 4 * self.data.gathers.len() as u64;
-        let own = blocks[0].quad;
-        if dicer.shown != Shown::Pn {
-            let FaceTable { number, table, .. } = dicer.table(own)?;
-            gathers += 4 * table.columns.len() as u64;
-            if !self.there.points.tables.contains_key(&number) {
-                weights += table.bytes() + SLACK;
-            }
-            let rims = self.rim_bytes(dicer, &Self::quads_of(dicer, own))?;
-            weights += rims[0];
-            gathers += rims[1];
-        }
-        if let Some(FaceTable { number, table, .. }) = dicer.color_table(own) {
-            gathers += 4 * table.columns.len() as u64;
-            if !self.there.colors.tables.contains_key(&number) {
-                weights += table.bytes() + SLACK;
-            }
-        }
-        if let Some(FaceTable { number, table, .. }) = dicer.uv_table(own) {
-            gathers += 4 * u64::from(table.count);
-            if !self.there.uv_tables.contains_key(&number) {
-                weights += table.bytes() + SLACK;
-            }
-        }
-        if dicer.lifts_by_uvs() {
-            let mut seen = Vec::new();
-            for quad in Self::quads_of(dicer, own) {
-                let Some(FaceTable { number, table, .. }) = dicer.uv_table(quad) else {
-                    continue;
-                };
-                if self.there.uvs.contains_key(&(quad, true)) {
-                    continue;
-                }
-                gathers += 4 * u64::from(table.count);
-                if !self.there.uv_rims.contains_key(&number) && !seen.contains(&number) {
-                    weights += table.rim_bytes() + SLACK;
-                    seen.push(number);
-                }
-            }
-        }
-        for h in whole.face_halves(blocks[0].quad) {
-            // Mitres, a stencil and a place for each.
-            let around = dicer.mitred(h);
-            let points = 1_u64 << dicer.side_level(h)?;
-            gathers += 8 * around.iter().sum::<u64>() * points;
-        }
-        let lifts = match dicer.is_displaced() {
-            true => (self.data.lifts.len() as u64 + spots) * Lift::SIZE as u64,
-            false => 0,
-        };
-        let points = points * 4 * u64::from(POINT_FLOATS);
-        Ok([points, weights, gathers, lifts])
-    }
-
     fn add(
         &mut self,
         dicer: &Dicer<'_>,
@@ -295,20 +217,24 @@ impl Builder {
         /// What memory is taken for.
         const WHAT: &str = "the chunks of the GPU backend";
         let limit = self.limit;
-        let too_large = |bytes: &[u64; 4]| bytes.iter().any(|&b| b > limit);
+        let too_large =
+            |bytes: &[u64; 4], lists: u64| bytes.iter().chain([&lists]).any(|&b| b > limit);
         let mut bytes = self.bytes_with(dicer, blocks)?;
-        if too_large(&bytes) || self.data.blocks.len() + blocks.len() > MOST_BLOCKS {
+        let mut lists = self.list_bytes(plan, blocks);
+        if too_large(&bytes, lists) || self.data.blocks.len() + blocks.len() > MOST_BLOCKS {
             self.close();
             bytes = self.bytes_with(dicer, blocks)?;
-            if too_large(&bytes) {
+            lists = self.list_bytes(plan, blocks);
+            if too_large(&bytes, lists) {
                 return Err(GpuError::OutOfMemory {
                     what: "the points and weights of a face: lower the level",
                 });
             }
         }
         let [_, weights, gathers, _] = bytes;
-        let had = 4 * (self.data.weights.len() + self.data.gathers.len()) as u64;
-        budget.take(WHAT, (weights + gathers - had).into(), 0)?;
+        let data = &self.data;
+        let had = 4 * (data.weights.len() + data.gathers.len() + data.lists.len()) as u64;
+        budget.take(WHAT, (weights + gathers + lists - had).into(), 0)?;
         let had = self.data.record_bytes();
         self.data.shown = Some(dicer.shown);
         self.data.look = dicer.look;
@@ -347,6 +273,9 @@ impl Builder {
                     padding: 0,
                 });
             }
+            let listed =
+                (plan.lists.get(b.list as usize)).map(|list| (self.list(b.list, list), list));
+            let list_count = listed.map_or(0, |(_, list)| list.count);
             self.data.named.push(NamedBlock {
                 quad,
                 start: b.start,
@@ -357,17 +286,29 @@ impl Builder {
                 face: number,
                 start_x: b.start[0] << up,
                 start_y: b.start[1] << up,
-                step: 1 << up,
+                step: if b.scattered { 0 } else { 1 << up },
                 log: b.log,
                 base: self.data.block_points,
                 moves: first,
                 move_count: b.moves[1] - b.moves[0],
                 level: b.shown,
-                padding: [0; 3],
+                list: listed.map_or(0, |(first, _)| first),
+                list_count,
+                around: listed.map_or(0, |(first, list)| first + list.around()),
             });
             self.data.block_points += ((1 << b.log) + 1) * ((1 << b.log) + 1);
-            self.data.quads += 1 << (2 * b.log);
+            self.data.quads += (1 << (2 * b.log)).max(list_count.div_ceil(2));
         }
         Ok(())
+    }
+
+    /// Where a list begins, which is added unless it is there.
+    fn list(&mut self, number: u32, list: &PlannedList) -> u32 {
+        let words = &mut self.data.lists;
+        *self.there.lists.entry(number).or_insert_with(|| {
+            let first = words.len() as u32;
+            words.extend_from_slice(&list.words);
+            first
+        })
     }
 }

@@ -1,14 +1,16 @@
 //! What a scene on a device does about blocks that the device itself decides on: when that is done anew, what is dispatched by it, and what is
 //! heard of it.
 
+use super::bands::TIMED;
 use super::chunk::NamedBlock;
-use super::draw::{DICE, FLATNESS, GpuScene, TIMED};
+use super::draw::{DICE, FLATNESS, GpuScene};
 use super::error::GpuError;
 use super::flatness::{COUNT_BYTES, Counts, DeviceFlatness};
 use super::pipelines::Stage;
 use super::read_back::{read, read_floats};
 use super::records::{Block, Record};
 use super::stats::GpuStats;
+use super::timer;
 use super::upload::DeviceChunk;
 use super::wgsl::GROUP;
 use crate::camera::View;
@@ -35,7 +37,7 @@ impl GpuScene<'_> {
             self.encode_flatness(&mut encoder, &view, &mut before)?;
             self.copy_counts(&mut encoder);
             gpu.queue().submit([encoder.finish()]);
-            let bytes = read(gpu, &self.staging)?;
+            let bytes = read(gpu, self.bands.staging())?;
             Ok(self
                 .counts(&bytes)
                 .all(|c| c.fits() && !c.falls_short(self.drawn.mode)))
@@ -44,22 +46,17 @@ impl GpuScene<'_> {
 
     pub(super) fn copy_counts(&self, encoder: &mut wgpu::CommandEncoder) {
         for (k, flatness) in self.deciding() {
-            let at = self.image_bytes() + k * COUNT_BYTES;
-            flatness.copy_counts(encoder, &self.staging, at);
+            let at = self.bands.down()[1] + k * COUNT_BYTES;
+            flatness.copy_counts(encoder, self.bands.staging(), at);
         }
     }
 
     /// What came down behind a picture.
     pub(super) fn counts<'b>(&'b self, bytes: &'b [u8]) -> impl Iterator<Item = Counts> + 'b {
         self.deciding().map(move |(k, flatness)| {
-            let at = self.image_bytes() + k * COUNT_BYTES;
+            let at = self.bands.down()[1] + k * COUNT_BYTES;
             flatness.counts(bytes.get(at as usize..).unwrap_or_default())
         })
-    }
-
-    /// Bytes of the picture.
-    pub(super) fn image_bytes(&self) -> u64 {
-        4 * u64::from(self.drawn.size.width) * u64::from(self.drawn.size.height)
     }
 
     /// Decides on blocks for `view`, unless they are those of it.
@@ -72,11 +69,16 @@ impl GpuScene<'_> {
         let seen = self.decided_by.unwrap_or(*view);
         let decided = !self.decides() || self.sided && self.decided_for == Some(seen);
         if !self.sided {
-            let mut pass = self.pass(encoder, DICE, self.first_before());
+            let timer = self.timer.as_ref();
+            let mut pass = timer::pass(timer, encoder, DICE, self.first_before());
             for c in &self.chunks {
                 let groups = c.data.spots.div_ceil(GROUP);
                 self.pipelines.sides.run(&mut pass, &c.sides, groups);
+                if let Some(curves) = &c.curves {
+                    self.pipelines.curves.run(&mut pass, curves, groups);
+                }
             }
+            drop(pass);
             before.push(DICE);
             self.sided = true;
             self.diced = false;
@@ -87,7 +89,7 @@ impl GpuScene<'_> {
         let up = self.deciding().map(|(_, f)| f.see(self.gpu, &seen)).sum();
         self.deciding().for_each(|(_, f)| f.clear(encoder));
         let number = self.first_before() + before.len() as u32;
-        let mut pass = self.pass(encoder, FLATNESS, number);
+        let mut pass = timer::pass(self.timer.as_ref(), encoder, FLATNESS, number);
         for (_, flatness) in self.deciding() {
             flatness.run(self.gpu, &mut pass)?;
         }
@@ -144,18 +146,19 @@ impl GpuScene<'_> {
         });
         Ok(named.collect())
     }
+}
 
-    /// Runs a stage with a workgroup for each block of a chunk.
+impl DeviceChunk {
+    /// Runs a stage with a workgroup for each block.
     pub(super) fn by_block(
         &self,
         stage: &Stage,
         pass: &mut wgpu::ComputePass<'_>,
         bindings: &wgpu::BindGroup,
-        c: &DeviceChunk,
     ) {
-        match &c.flatness {
+        match &self.flatness {
             Some(flatness) => flatness.dispatch(stage, pass, bindings),
-            None => stage.run(pass, bindings, c.data.blocks),
+            None => stage.run(pass, bindings, self.data.blocks),
         }
     }
 }

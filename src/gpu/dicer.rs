@@ -4,7 +4,8 @@ use super::error::GpuError;
 use super::plan::ObjectPlan;
 use super::records::Rise;
 use super::surroundings::Places;
-use super::tables::{Table, UvTable};
+use super::tables::Table;
+use super::uv_tables::UvTable;
 use super::wgsl::{MAP, STILL};
 use crate::frame::{Drawing, Object};
 use crate::limits::Budget;
@@ -25,9 +26,14 @@ pub(super) struct Dicer<'a> {
     pub(super) first_face: u32,
     /// Per cage face with a table.
     pub(super) faces: HashMap<u32, Places>,
+    /// Of the limit surface or of control points after some steps. Patches have some where they are displaced or tilted.
     pub(super) tables: Vec<Table>,
     /// Of each table, by quad, the weights of control points where the device decides on blocks; see [`nets`](super::deciding::nets).
     pub(super) nets: Vec<Vec<Option<Vec<f32>>>>,
+    /// What quadratic patches run through: the limit surface at level 1.
+    pub(super) base_tables: Vec<Table>,
+    /// Whether patches are displaced or tilted, by derivatives of the limit surface.
+    pub(super) on_limit: bool,
     /// Per face of the cage the number of its table of texture coordinates; empty without.
     pub(super) uv_numbers: HashMap<u32, u32>,
     pub(super) uv_tables: Vec<UvTable>,
@@ -73,8 +79,11 @@ pub(super) struct Look {
     pub(super) width: u32,
     pub(super) uv_width: u32,
     pub(super) textured: bool,
+    pub(super) shaded: bool,
     pub(super) tilted: bool,
     pub(super) cut: bool,
+    /// Whether derivatives are differences of a block's points.
+    pub(super) differences: bool,
     pub(super) rise: Rise,
 }
 
@@ -132,6 +141,8 @@ impl<'a> Dicer<'a> {
             faces: HashMap::new(),
             tables: Vec::new(),
             nets: Vec::new(),
+            base_tables: Vec::new(),
+            on_limit: false,
             uv_numbers: HashMap::new(),
             uv_tables: Vec::new(),
             first_uv: first.uv,
@@ -156,9 +167,11 @@ impl<'a> Dicer<'a> {
         if dicer.shown == Shown::Polygons {
             return Ok(dicer);
         }
-        let other_points = dicer.shown.is_patches() || drawing == Drawing::Refined;
+        dicer.on_limit = dicer.shown.is_patches() && (dicer.is_displaced() || dicer.look.tilted);
+        let other_points = dicer.is_apart() || drawing == Drawing::Refined;
         dicer.own_colors = dicer.colors > 0 && other_points;
-        let has_tables = dicer.shown != Shown::Pn || dicer.look.textured || dicer.colors > 0;
+        let has_tables =
+            dicer.shown != Shown::Pn || dicer.on_limit || dicer.look.textured || dicer.colors > 0;
         if has_tables {
             // Before anything walks around vertices.
             dicer.check()?;
@@ -231,9 +244,19 @@ impl<'a> Dicer<'a> {
     /// The level at which points are wanted of a face that is drawn at another.
     fn known(&self, reach: u32) -> u32 {
         match self.shown {
-            Shown::Qas => 1,
-            Shown::Points | Shown::Pn | Shown::Polygons => reach,
+            Shown::Qas if !self.on_limit => 1,
+            _ => reach,
         }
+    }
+
+    /// Whether faces are patches and nothing is known of the limit surface's points.
+    pub(super) fn is_apart(&self) -> bool {
+        self.shown.is_patches() && !self.on_limit
+    }
+
+    /// Whether patches are displaced: points of their sides stand on curves.
+    pub(super) fn lifts_patches(&self) -> bool {
+        self.shown.is_patches() && self.is_displaced()
     }
 
     /// Weights of a colour by a control point.
@@ -260,14 +283,28 @@ impl<'a> Dicer<'a> {
 
     /// The table of a quad's face, which is drawn or gives points to one that is.
     pub(super) fn table(&self, quad: u32) -> Result<FaceTable<'_, Table>, GpuError> {
-        let places = self.faces.get(&self.surface.cage_face(quad));
-        let places = places.ok_or(GpuError::Missing {
+        self.one_of(&self.tables, quad)
+    }
+
+    /// The same of what quadratic patches run through.
+    pub(super) fn base_table(&self, quad: u32) -> Result<FaceTable<'_, Table>, GpuError> {
+        self.one_of(&self.base_tables, quad)
+    }
+
+    fn one_of<'t>(
+        &'t self,
+        tables: &'t [Table],
+        quad: u32,
+    ) -> Result<FaceTable<'t, Table>, GpuError> {
+        const MISSING: GpuError = GpuError::Missing {
             what: "table of a face",
-        })?;
+        };
+        let places = self.faces.get(&self.surface.cage_face(quad));
+        let places = places.ok_or(MISSING)?;
         Ok(FaceTable {
             places,
             number: places.shape,
-            table: &self.tables[places.shape as usize],
+            table: tables.get(places.shape as usize).ok_or(MISSING)?,
         })
     }
 

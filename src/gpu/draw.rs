@@ -1,39 +1,26 @@
 //! A scene on a device, and its pictures.
 
+use super::bands::{Bands, Shared, TIMED};
 use super::deciding;
 use super::device::Gpu;
 use super::error::GpuError;
 use super::flatness::COUNT_BYTES;
 use super::further::Further;
-use super::pipelines::{Pipelines, Stage};
+use super::pipelines::Pipelines;
 use super::plan::{Plan, plan};
 use super::read_back::{ReadBlock, read, read_floats};
 use super::ready::Ready;
-use super::records::{Frame, POINT_FLOATS, Record, words};
+use super::records::{POINT_FLOATS, words};
 use super::stats::{GpuFrame, GpuStats};
-use super::timer::Timer;
+use super::timer::{self, Timer};
 use super::upload::{DeviceChunk, device_chunk, materials, point_words, textures};
 use super::view::{Drawn, frame_record};
-use super::wgsl::{GROUP, STILL, Variant};
+use super::wgsl::{STILL, Variant};
 use crate::camera::{Camera, View};
 use crate::film::{Film, Image};
 use crate::frame::{Renderer, Scene};
 use crate::limits::Budget;
 use std::time::{Duration, Instant};
-use wgpu::BufferUsages as Usage;
-
-/// Workgroups that share the list of large quads.
-const LARGE_GROUPS: u32 = 1024;
-
-pub(super) struct Band {
-    rows: [u32; 2],
-    frame: wgpu::Buffer,
-    /// Per chunk and pass.
-    tile: Vec<Vec<wgpu::BindGroup>>,
-    large: Vec<Vec<wgpu::BindGroup>>,
-    shade: Vec<wgpu::BindGroup>,
-    film: wgpu::BindGroup,
-}
 
 /// A scene whose cage, tables and blocks are on a device. Between pictures its points may move and the view change. Blocks that the device
 /// decides on follow both; what the processor decided for the view it was made for stays.
@@ -53,14 +40,8 @@ pub struct GpuScene<'a> {
     pub(super) decided_by: Option<View>,
     pub(super) decided_for: Option<View>,
     pub(super) chunks: Vec<DeviceChunk>,
-    pub(super) bands: Vec<Band>,
-    keys: wgpu::Buffer,
-    sums: wgpu::Buffer,
-    /// A band of the picture.
-    image: wgpu::Buffer,
-    /// The whole picture, on its way down.
-    pub(super) staging: wgpu::Buffer,
-    timer: Option<Timer>,
+    pub(super) bands: Bands,
+    pub(super) timer: Option<Timer>,
     stats: GpuStats,
 }
 
@@ -72,11 +53,7 @@ impl std::fmt::Debug for GpuScene<'_> {
     }
 }
 
-/// Stages of a band that are timed, in the order of their passes. Times of the first band come first; those of [`BEFORE`] are last,
-/// because pictures may go without.
-pub(super) const TIMED: [&str; 3] = ["tile", "shade", "film"];
-
-/// Stages that only new views and moved points need.
+/// Stages that only new views and moved points need. Their times are last, because pictures may go without.
 const BEFORE: [&str; 2] = [FLATNESS, DICE];
 pub(super) const FLATNESS: &str = "flatness";
 pub(super) const DICE: &str = "dice";
@@ -147,7 +124,7 @@ impl<'a> GpuScene<'a> {
         plan: Plan,
         budget: &mut Budget<'_>,
     ) -> Result<Self, GpuError> {
-        let (ready, drawn) = Ready::of(renderer, scene, plan, gpu.max_binding, budget)?;
+        let (ready, drawn) = Ready::of(renderer, (scene, &view), plan, gpu.max_binding, budget)?;
         let mut made = gpu.caught(|| Self::upload(gpu, drawn, scene, view, ready, budget))?;
         made.decided_by = renderer.decided_by;
         made.measuring(renderer.measure)?;
@@ -162,13 +139,13 @@ impl<'a> GpuScene<'a> {
         ready: Ready,
         budget: &mut Budget<'_>,
     ) -> Result<Self, GpuError> {
-        let size = drawn.size;
         let Ready {
             chunks,
             points: control_points,
             further,
             heights,
             values,
+            outputs,
             mut stats,
         } = ready;
         let looks = || chunks.iter().map(|c| c.look);
@@ -176,6 +153,7 @@ impl<'a> GpuScene<'a> {
             lifted: looks().any(|l| l.rise.shape != STILL),
             tilted: looks().any(|l| l.tilted),
             cut: looks().any(|l| l.cut),
+            listed: chunks.iter().any(|c| !c.lists.is_empty()),
         })?;
         let control = [
             point_words(&control_points),
@@ -205,86 +183,22 @@ impl<'a> GpuScene<'a> {
         let (textures, places) = textures(gpu, scene, budget)?;
         scene_bytes += textures.size();
         let materials = gpu.filled("materials", &words(&materials(scene, &places)))?;
-        // Rows of the picture whose keys, and sums of 16 bytes a pixel, fit a binding.
-        let row_bytes = 8 * u64::from(size.width) * u64::from(size.samples.max(2));
-        let rows = (gpu.max_binding / row_bytes).clamp(1, u64::from(size.height)) as u32;
-        let band_pixels = u64::from(size.width) * u64::from(rows);
-        let storage = Usage::STORAGE | Usage::COPY_DST;
-        let keys = gpu.empty("keys", band_pixels * 8 * u64::from(size.samples), storage)?;
-        let sums = gpu.empty("sums", band_pixels * 16, storage)?;
-        let image = gpu.empty("picture", 4 * band_pixels, storage | Usage::COPY_SRC)?;
-        let image_bytes = 4 * u64::from(size.width) * u64::from(size.height);
-        // The picture, and its bytes as they come down.
-        budget.take("the picture", 2 * u128::from(image_bytes), 0)?;
-        let counts = made.iter().filter(|c| c.flatness.is_some()).count() as u64;
-        let staging = gpu.empty(
-            "picture",
-            image_bytes + counts * COUNT_BYTES,
-            Usage::COPY_DST | Usage::MAP_READ,
+        let shared = Shared {
+            materials: &materials,
+            textures: &textures,
+            heights: &heights,
+        };
+        let bands = Bands::new(
+            gpu,
+            pipelines,
+            (drawn.size, outputs),
+            &made,
+            &shared,
+            budget,
         )?;
-        let mut bands = Vec::new();
-        for start in (0..size.height).step_by(rows as usize) {
-            let end = (start + rows).min(size.height);
-            let frame = gpu.empty(
-                "frame",
-                Frame::SIZE as u64,
-                Usage::UNIFORM | Usage::COPY_DST,
-            )?;
-            let drawn = |stage: &Stage, c: &DeviceChunk, phase: usize| {
-                stage.bind(
-                    gpu,
-                    &[
-                        (0, &frame),
-                        (1, &c.phases[phase]),
-                        (2, &c.blocks),
-                        (3, &c.points),
-                        (4, &keys),
-                        (5, &c.large),
-                        (6, &c.faces),
-                        (7, &materials),
-                        (8, &c.uvs),
-                        (9, &textures),
-                    ],
-                )
-            };
-            let all = |stage: &Stage| -> Vec<Vec<wgpu::BindGroup>> {
-                let of = |c| (0..phases).map(|p| drawn(stage, c, p)).collect();
-                made.iter().map(of).collect()
-            };
-            let shade = made.iter().map(|c| {
-                pipelines.shade.bind(
-                    gpu,
-                    &[
-                        (0, &frame),
-                        (1, &c.phases[0]),
-                        (2, &c.blocks),
-                        (3, &c.points),
-                        (4, &keys),
-                        (5, &c.faces),
-                        (6, &materials),
-                        (7, &sums),
-                        (8, &c.uvs),
-                        (9, &textures),
-                        (10, &c.colors),
-                        (11, &c.tangents),
-                        (12, &c.rise),
-                        (13, &heights),
-                    ],
-                )
-            });
-            let film = [(0, &frame), (1, &sums), (2, &image)];
-            bands.push(Band {
-                rows: [start, end],
-                tile: all(&pipelines.tile),
-                large: all(&pipelines.large),
-                shade: shade.collect(),
-                film: pipelines.film.bind(gpu, &film),
-                frame,
-            });
-        }
         stats.chunks = made.len() as u32;
         stats.bands = bands.len() as u32;
-        stats.scene_bytes = scene_bytes + keys.size() + sums.size() + image.size();
+        stats.scene_bytes = scene_bytes + bands.bytes();
         Ok(Self {
             gpu,
             drawn,
@@ -301,10 +215,6 @@ impl<'a> GpuScene<'a> {
             stats,
             chunks: made,
             bands,
-            keys,
-            sums,
-            image,
-            staging,
             timer: None,
             pipelines,
         })
@@ -403,13 +313,7 @@ impl<'a> GpuScene<'a> {
             self.moved = false;
             self.sided = false;
         }
-        let mut frame = frame_record(&self.drawn, view);
-        for band in &self.bands {
-            [frame.band_start, frame.band_end] = band.rows;
-            let words = words(&[frame]);
-            queue.write_buffer(&band.frame, 0, bytemuck::cast_slice(&words));
-            stats.bytes_up += 4 * words.len() as u64;
-        }
+        stats.bytes_up += self.bands.send(queue, frame_record(&self.drawn, view));
         let mut before = Vec::new();
         stats.bytes_up += self.encode_flatness(&mut encoder, view, &mut before)?;
         if !self.diced {
@@ -418,32 +322,33 @@ impl<'a> GpuScene<'a> {
             before.push(DICE);
         }
         let timed = self.first_before() + before.len() as u32;
-        let row_bytes = 4 * u64::from(self.drawn.size.width);
-        for (k, band) in self.bands.iter().enumerate() {
-            self.encode_band(&mut encoder, band, (k * TIMED.len()) as u32);
-            let [start, end] = band.rows.map(|row| u64::from(row) * row_bytes);
-            encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, start, end - start);
-        }
+        let drawn = (self.pipelines, &*self.chunks);
+        let timer = self.timer.as_ref();
+        self.bands.encode(self.gpu, &mut encoder, drawn, timer);
+        let [picture, down] = self.bands.down();
         stats.read_backs += 1;
         self.copy_counts(&mut encoder);
-        stats.bytes_down += self.image_bytes() + COUNT_BYTES * self.deciding().count() as u64;
+        stats.bytes_down += down + COUNT_BYTES * self.deciding().count() as u64;
         if let Some(timer) = &self.timer {
             timer.resolve(&mut encoder, timed);
         }
         queue.submit([encoder.finish()]);
-        let bytes = read(self.gpu, &self.staging)?;
+        let bytes = read(self.gpu, self.bands.staging())?;
         stats.wall = begin.elapsed();
         if let Some(timer) = &self.timer {
             stats.stages = self.by_stage(&timer.read(self.gpu, timed)?, &before);
         }
         self.count(&bytes, &mut stats)?;
         let mut image = Image::new(self.drawn.size.width, self.drawn.size.height);
-        let length = image.data.len();
-        image.data.copy_from_slice(&bytes[..length]);
+        // Buffers are a little longer.
+        let (pixels, codes) = bytes[..down as usize].split_at(picture as usize);
+        image.data.copy_from_slice(pixels);
+        let planes = self.bands.outputs().planes(view, codes);
         let empty = Film::new(self.drawn.mode.encoding(), self.drawn.background).empty();
         stats.pixels_covered = image.data.chunks_exact(4).filter(|p| **p != empty).count() as u64;
         Ok(GpuFrame {
             image,
+            planes,
             stats,
             view: *view,
         })
@@ -470,52 +375,11 @@ impl<'a> GpuScene<'a> {
         out
     }
 
-    pub(super) fn pass<'e>(
-        &self,
-        encoder: &'e mut wgpu::CommandEncoder,
-        name: &'static str,
-        number: u32,
-    ) -> wgpu::ComputePass<'e> {
-        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(name),
-            timestamp_writes: self.timer.as_ref().map(|t| t.of_stage(number)),
-        })
-    }
-
     fn encode_dice(&self, encoder: &mut wgpu::CommandEncoder, number: u32) {
-        let mut pass = self.pass(encoder, DICE, number);
+        let mut pass = timer::pass(self.timer.as_ref(), encoder, DICE, number);
         for c in &self.chunks {
-            self.by_block(&self.pipelines.inside, &mut pass, &c.inside, c);
+            c.by_block(&self.pipelines.inside, &mut pass, &c.inside);
         }
-    }
-
-    /// Draws a band; its passes are numbered from `first` on.
-    fn encode_band(&self, encoder: &mut wgpu::CommandEncoder, band: &Band, first: u32) {
-        let [tile, shade, film] = TIMED;
-        encoder.clear_buffer(&self.keys, 0, None);
-        encoder.clear_buffer(&self.sums, 0, None);
-        for c in &self.chunks {
-            encoder.clear_buffer(&c.large, 0, Some(4));
-        }
-        let p = self.pipelines;
-        let mut pass = self.pass(encoder, tile, first);
-        let phases = self.chunks.first().map_or(0, |c| c.phases.len());
-        for phase in 0..phases {
-            for (k, c) in self.chunks.iter().enumerate() {
-                self.by_block(&p.tile, &mut pass, &band.tile[k][phase], c);
-                p.large.run(&mut pass, &band.large[k][phase], LARGE_GROUPS);
-            }
-        }
-        drop(pass);
-        let pixels = self.drawn.size.width * (band.rows[1] - band.rows[0]);
-        let groups = pixels.div_ceil(GROUP);
-        let mut pass = self.pass(encoder, shade, first + 1);
-        for bindings in &band.shade {
-            p.shade.run(&mut pass, bindings, groups);
-        }
-        drop(pass);
-        let mut pass = self.pass(encoder, film, first + 2);
-        p.film.run(&mut pass, &band.film, groups);
     }
 
     /// The diced points of all blocks, read back for tests. Nothing before the first picture.

@@ -6,11 +6,10 @@ use super::error::GpuError;
 use super::owners::Owners;
 use super::records::{Face, Spot, Stencil};
 use super::tables::{Table, rim_index};
-use super::wgsl::pn_place;
 
 impl ChunkData {
     /// The stencil of a quad, added with its table unless they are there.
-    fn stencil(
+    pub(super) fn stencil(
         &mut self,
         there: &mut Listed,
         dicer: &Dicer<'_>,
@@ -59,22 +58,29 @@ impl Builder {
     ) -> Result<Face, GpuError> {
         let whole = dicer.surface.whole_quads();
         let (mut corners, mut sides, mut turns) = ([0; 4], [0; 4], 0);
+        let (mut base_corners, mut base_sides) = ([0; 4], [0; 4]);
         for (c, h) in whole.face_halves(quad).enumerate() {
-            corners[c] = self.corner(dicer, h)?;
             let owners = dicer.side_owners(h);
-            let level = dicer.side_level(h)?;
-            sides[c] = self.side(dicer, h, owners, level)?;
             let turned = |owner: u32| owner != h && whole.vertex(owner) != whole.vertex(h);
-            let finer = match dicer.shown {
-                Shown::Qas => 0,
-                Shown::Points | Shown::Pn | Shown::Polygons => finer(level, reach)?,
-            };
             let ways =
                 u32::from(turned(owners.normal)) << 7 | u32::from(turned(owners.position)) << 6;
-            turns |= (finer | ways) << (8 * c);
+            if dicer.shown == Shown::Qas {
+                base_corners[c] = self.base_corner(dicer, h)?;
+                base_sides[c] = self.base_side(dicer, h)?;
+            }
+            let mut more = 0;
+            if dicer.shown == Shown::Qas && !dicer.is_displaced() {
+                corners[c] = base_corners[c];
+            } else {
+                let level = dicer.side_level(h)?;
+                corners[c] = self.corner(dicer, h)?;
+                sides[c] = self.side(dicer, h, owners, level)?;
+                more = finer(level, reach)?;
+            }
+            turns |= (more | ways) << (8 * c);
         }
         let cage_face = dicer.surface.cage_face(quad);
-        let level = match dicer.shown.is_patches() {
+        let level = match dicer.is_apart() {
             true => (dicer.drawn_levels.get(&cage_face).copied()).ok_or(GpuError::Missing {
                 what: "level of a face",
             })?,
@@ -82,13 +88,15 @@ impl Builder {
         };
         let middle = self.middle(dicer, quad)?;
         let [uv_gather, uv_count, uv_table] = self.uv_stencil(dicer, quad, false);
-        let stencil = match dicer.shown {
-            Shown::Pn => 0,
-            _ => self.stencil(dicer, quad)?,
+        let stencil = match dicer.is_apart() {
+            true => 0,
+            false => self.stencil(dicer, quad)?,
         };
         Ok(Face {
             corners,
             sides,
+            base_corners,
+            base_sides,
             turns,
             stencil,
             row: (1 << level) + 1,
@@ -105,25 +113,6 @@ impl Builder {
             color_stencil: self.color_stencil(dicer, quad).unwrap_or(stencil),
             padding: [0; 3],
         })
-    }
-
-    /// What patches have of their own: the spot in the middle of a quad, or where control points stand.
-    fn middle(&mut self, dicer: &Dicer<'_>, quad: u32) -> Result<u32, GpuError> {
-        if dicer.shown == Shown::Pn {
-            return Ok(dicer.net(quad));
-        }
-        if dicer.shown != Shown::Qas || dicer.surface.is_triangular() {
-            return Ok(0);
-        }
-        // In the middle of three rows of three.
-        let (stencil, index) = (self.stencil(dicer, quad)?, 4);
-        self.data.spots.push(Spot {
-            stencil,
-            index,
-            normal_stencil: stencil,
-            normal_index: index,
-        });
-        Ok(self.data.spots.len() as u32 - 1)
     }
 
     /// First gather, count and first weight of a quad's texture coordinates, or of those on its sides alone; zeros without.
@@ -172,24 +161,33 @@ impl Builder {
         Some((self.data).stencil(&mut self.there.colors, dicer, quad, of, false))
     }
 
-    /// Stencil and point of a place of a quad, given on the grid of `level`.
+    /// Stencil and point of a place of a quad, given on the grid of `level`, of the limit surface.
     ///
     /// Places are on sides: whoever shares them needs no more of another face.
     pub(super) fn place(
         &mut self,
         dicer: &Dicer<'_>,
         quad: u32,
-        [x, y]: [u32; 2],
+        at: [u32; 2],
         level: u32,
     ) -> Result<[u32; 2], GpuError> {
-        if dicer.shown == Shown::Pn {
-            return Ok([dicer.net(quad), pn_place([x, y], level)]);
-        }
         let deep = dicer.table(quad)?.table.level;
-        let up = finer(deep, level)?;
-        let triangles = dicer.surface.is_triangular();
-        let index = rim_index([x << up, y << up], 1 << deep, triangles);
+        let index = rim_place(dicer, at, level, deep)?;
         Ok([self.rim_stencil(dicer, quad)?, index])
+    }
+
+    /// The same of what is shown: of PN triangles, where their control points are, and the place.
+    pub(super) fn shown_place(
+        &mut self,
+        dicer: &Dicer<'_>,
+        quad: u32,
+        at: [u32; 2],
+        level: u32,
+    ) -> Result<[u32; 2], GpuError> {
+        match dicer.shown == Shown::Pn && !dicer.is_displaced() {
+            true => Ok(dicer.net_place(quad, at, level)),
+            false => self.place(dicer, quad, at, level),
+        }
     }
 
     pub(super) fn corner(&mut self, dicer: &Dicer<'_>, h: u32) -> Result<u32, GpuError> {
@@ -200,9 +198,10 @@ impl Builder {
         let count = dicer.corner_count();
         let mut of = |h: u32| {
             let at = dicer.along(h % count, 0, 1);
-            self.place(dicer, h / count, at, 0)
+            self.shown_place(dicer, h / count, at, 0)
         };
-        let (p, n) = (of(owners.position)?, of(owners.normal)?);
+        let (p, n) = (of(owners.position)?, of(dicer.evaluated(owners))?);
+        let curve = self.corner_curve(dicer, h, owners)?;
         let at = self.data.spots.len() as u32;
         self.data.spots.push(Spot {
             stencil: p[0],
@@ -211,7 +210,7 @@ impl Builder {
             normal_index: n[1],
         });
         if dicer.is_displaced() {
-            self.lift_corner(dicer, h, owners)?;
+            self.lift_corner(dicer, h, (owners, curve))?;
         }
         self.there.corners.insert(owners.normal, at);
         Ok(at)
@@ -231,13 +230,26 @@ impl Builder {
         let whole = dicer.surface.whole_quads();
         let same = owners.position == owners.normal
             || whole.vertex(owners.position) == whole.vertex(owners.normal);
+        let ends = self.side_curve(dicer, h, owners)?;
+        // Spots of the side follow each other: what they stand on is there before.
+        if ends.is_some() {
+            for h in dicer.surface.mitred_side(h).into_iter().flatten() {
+                self.side_curve(dicer, h, owners)?;
+            }
+        }
         let first = self.data.spots.len() as u32;
         for k in 1..n {
             let turned = if same { k } else { n - k };
             let at = dicer.along(owners.position % count, turned, n);
-            let p = self.place(dicer, owners.position / count, at, level)?;
-            let at = dicer.along(owners.normal % count, k, n);
-            let own = self.place(dicer, owners.normal / count, at, level)?;
+            let p = self.shown_place(dicer, owners.position / count, at, level)?;
+            let evaluated = dicer.evaluated(owners);
+            let along = match whole.vertex(evaluated) == whole.vertex(owners.normal) {
+                true => k,
+                false => n - k,
+            };
+            let at = dicer.along(evaluated % count, along, n);
+            let own = self.shown_place(dicer, evaluated / count, at, level)?;
+            let curve = ends.map(|ends| ends.at(dicer, [turned, k], level));
             self.data.spots.push(Spot {
                 stencil: p[0],
                 index: p[1],
@@ -245,12 +257,24 @@ impl Builder {
                 normal_index: own[1],
             });
             if dicer.is_displaced() {
-                self.lift_side(dicer, h, owners, [turned, level])?;
+                self.lift_side(dicer, h, (owners, curve), [turned, level])?;
             }
         }
         self.there.sides.insert(owners.normal, first);
         Ok(first)
     }
+}
+
+/// The point of a rim of level `deep` that a place on a side is, given on the grid of `level`.
+pub(super) fn rim_place(
+    dicer: &Dicer<'_>,
+    [x, y]: [u32; 2],
+    level: u32,
+    deep: u32,
+) -> Result<u32, GpuError> {
+    let up = finer(deep, level)?;
+    let triangles = dicer.surface.is_triangular();
+    Ok(rim_index([x << up, y << up], 1 << deep, triangles))
 }
 
 /// By how many levels `deep` is finer than `level`.

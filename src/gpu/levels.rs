@@ -8,7 +8,7 @@ use super::device::Gpu;
 use super::error::GpuError;
 use super::pipelines::{Stage, module, stage};
 use super::records::{Record, Step, words};
-use super::timer::Timer;
+use super::timer::{self, Timer};
 use super::wgsl::{self, ALIGN, GROUP};
 use crate::dice::MAX_LEVEL;
 use crate::scheme::{CreaseMethod, Scheme};
@@ -248,10 +248,7 @@ impl Refiner {
     }
 
     fn encode_timed(&self, encoder: &mut wgpu::CommandEncoder, times: Option<&Timer>) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("levels"),
-            timestamp_writes: times.map(|t| t.of_stage(0)),
-        });
+        let mut pass = timer::pass(times, encoder, "levels", 0);
         for step in &self.steps {
             let s = &self.stages;
             let c = step.counts;

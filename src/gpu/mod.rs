@@ -7,7 +7,8 @@
 //!
 //! | stage | file | one invocation |
 //! |---|---|---|
-//! | `sides` | `dice.wgsl` | a corner or a point of a side: evaluated once, from one face's control points, whoever shares it |
+//! | `sides` | `sides.wgsl` | a corner or a point of a side: evaluated once, from one face's control points, whoever shares it |
+//! | `curves` | `sides.wgsl` | the same of displaced patches, whose sides run through other such points |
 //! | `flatness` | `flatness.wgsl`, `edges.wgsl`, `blocks.wgsl`, `scan.wgsl` | a workgroup: what a face needs; then an edge, a face: adaptive blocks, for the view of the frame |
 //! | `dice` | `dice.wgsl` | points of a block's inside; what lies on sides is copied, so shared points have the same bits |
 //! | `tile` | `tile.wgsl` | micro-quads: projected, snapped, covered samples by exact integers into visibility keys |
@@ -15,7 +16,10 @@
 //! | `shade` | `shade.wgsl` | a pixel: its samples that show one place of the surface together, as on the processor |
 //! | `film` | `film.wgsl` | a pixel: resolved and encoded |
 //!
-//! Points, normals and keys stay on the device. Up goes what moved: control points and the view. Down comes the picture.
+//! What is written beside the picture ([`Aov`](crate::frame::Aov)) belongs to `shade`: `outputs.wgsl`, a pixel.
+//!
+//! Points, normals and keys stay on the device. Up goes what moved: control points and the view. Down comes the picture,
+//! with what was asked for beside it.
 //!
 //! # Adaptive blocks
 //!
@@ -35,7 +39,8 @@
 //! mesh hangs together around the face. They are taken from the processor's own evaluation ([`evaluate`](crate::evaluate)), by control
 //! points that are unit vectors, once per *shape* of surroundings; so every scheme and rule that it knows is here, with its exactness. QAS patches
 //! are quadratics through points of level 1. Control points of curved PN triangles are made on the processor, from angles at vertices that WGSL
-//! would know too roughly; the triangles are evaluated on the device.
+//! would know too roughly; the triangles are evaluated on the device. Interpolating surfaces have no formula for derivatives: where displacement
+//! or relief asks for some, they are differences of a block's points, as on the processor.
 //!
 //! # Whole meshes
 //!
@@ -44,14 +49,16 @@
 //!
 //! # What is refused
 //!
-//! Displacement by a caller's rule, displacement of patches and of interpolating surfaces, normal and bump maps on these, refinement patterns,
-//! outputs beside the picture, n-gons at level 0 of bilinear surfaces, vertices of more than 512 faces. An error names it; nothing is drawn elsewhere instead.
+//! Displacement by a caller's rule, n-gons at level 0 of bilinear surfaces, vertices of more than 512 faces. An error names it; nothing is drawn
+//! elsewhere instead.
 //! Adaptive blocks of other surfaces than these (displaced ones, other schemes, patches) and by depth tags are decided on the processor, for
 //! the view that a scene was made for.
 
 pub mod records;
 pub mod wgsl;
 
+#[cfg(feature = "gpu")]
+mod bands;
 #[cfg(feature = "gpu")]
 mod chunk;
 #[cfg(feature = "gpu")]
@@ -77,7 +84,13 @@ mod further;
 #[cfg(feature = "gpu")]
 mod levels;
 #[cfg(feature = "gpu")]
+mod lists;
+#[cfg(feature = "gpu")]
+mod outputs;
+#[cfg(feature = "gpu")]
 mod owners;
+#[cfg(feature = "gpu")]
+mod patches;
 #[cfg(feature = "gpu")]
 mod pipelines;
 #[cfg(feature = "gpu")]
@@ -90,6 +103,8 @@ mod read_back;
 mod ready;
 #[cfg(feature = "gpu")]
 mod rise;
+#[cfg(feature = "gpu")]
+mod room;
 #[cfg(feature = "gpu")]
 mod sectors;
 #[cfg(feature = "gpu")]
@@ -104,6 +119,8 @@ mod tables;
 mod timer;
 #[cfg(feature = "gpu")]
 mod upload;
+#[cfg(feature = "gpu")]
+mod uv_tables;
 #[cfg(feature = "gpu")]
 mod view;
 

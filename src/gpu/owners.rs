@@ -9,6 +9,8 @@ use crate::topology::NONE;
 pub(super) struct Owners {
     pub(super) position: u32,
     pub(super) normal: u32,
+    /// Whose derivatives the normals of a displaced surface are made of: not each its own where only patches have normals of their own.
+    pub(super) jet: u32,
 }
 
 impl Dicer<'_> {
@@ -16,10 +18,14 @@ impl Dicer<'_> {
     pub(super) fn side_owners(&self, h: u32) -> Owners {
         let (whole, cut) = (self.surface.whole_quads(), self.surface.quads());
         let twin = cut.twin(h);
-        let own = twin == NONE || self.is_faceted();
+        let jet = match twin == NONE || self.surface.scheme() == Scheme::Bilinear {
+            true => h,
+            false => h.min(twin),
+        };
         Owners {
             position: whole.edge_half(whole.edge(h)),
-            normal: if own { h } else { h.min(twin) },
+            normal: if self.is_faceted() { h } else { jet },
+            jet,
         }
     }
 
@@ -27,12 +33,14 @@ impl Dicer<'_> {
     pub(super) fn corner_owners(&self, h: u32) -> Owners {
         let (whole, cut) = (self.surface.whole_quads(), self.surface.quads());
         let first = |found: u32| if found == NONE { h } else { found };
+        let jet = match self.surface.scheme() == Scheme::Bilinear {
+            true => h,
+            false => first(cut.fans()[cut.fan(h) as usize].first),
+        };
         Owners {
             position: first(whole.fans()[whole.fan(h) as usize].first),
-            normal: match self.is_faceted() {
-                true => h,
-                false => first(cut.fans()[cut.fan(h) as usize].first),
-            },
+            normal: if self.is_faceted() { h } else { jet },
+            jet,
         }
     }
 
@@ -43,6 +51,17 @@ impl Dicer<'_> {
         if self.is_displaced() {
             let mitred = [self.surface.mitred_side(h), self.surface.mitred_corner(h)];
             all.extend(mitred.into_iter().flatten().flatten());
+            all.extend([a.jet, b.jet]);
+        }
+        if self.shown == Shown::Qas && self.is_displaced() {
+            // Their normals are those of curves, which run through points of others.
+            let whole = self.surface.whole_quads();
+            for h in self.surface.mitred_side(h).into_iter().flatten() {
+                let corners = [h, whole.next(h)].map(|h| self.corner_owners(h));
+                for owners in corners.into_iter().chain([self.side_owners(h)]) {
+                    all.extend([owners.position, owners.normal]);
+                }
+            }
         }
         all.into_iter()
     }
@@ -59,6 +78,14 @@ impl Dicer<'_> {
     /// Whether every face has normals of its own all around.
     pub(super) fn is_faceted(&self) -> bool {
         self.surface.scheme() == Scheme::Bilinear || self.shown == Shown::Pn
+    }
+
+    /// Whose place the stencil of a normal has: displaced patches have normals of nets, and derivatives elsewhere.
+    pub(super) fn evaluated(&self, owners: Owners) -> u32 {
+        match self.lifts_patches() {
+            true => owners.jet,
+            false => owners.normal,
+        }
     }
 
     pub(super) fn corner_count(&self) -> u32 {

@@ -2,6 +2,7 @@
 
 use super::device::Gpu;
 use super::wgsl::{self, ACROSS, Keys, Source, Variant};
+use std::sync::OnceLock;
 
 /// A stage's pipeline.
 #[derive(Debug)]
@@ -13,11 +14,14 @@ pub(super) struct Stage {
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub(super) sides: Stage,
+    pub(super) curves: Stage,
     pub(super) inside: Stage,
     pub(super) tile: Stage,
     pub(super) large: Stage,
     pub(super) shade: Stage,
     pub(super) film: Stage,
+    outputs: OnceLock<Stage>,
+    variant: Variant,
 }
 
 impl Pipelines {
@@ -26,12 +30,21 @@ impl Pipelines {
         let dice = module(gpu, &wgsl::dice(variant));
         Self {
             sides: stage(gpu, &dice, "sides"),
+            curves: stage(gpu, &dice, "curves"),
             inside: stage(gpu, &dice, "inside"),
             tile: stage(gpu, &module(gpu, &wgsl::tile(keys, variant)), "main"),
             large: stage(gpu, &module(gpu, &wgsl::large(keys, variant)), "main"),
             shade: stage(gpu, &module(gpu, &wgsl::shade(variant)), "main"),
             film: stage(gpu, &module(gpu, &wgsl::film()), "main"),
+            outputs: OnceLock::new(),
+            variant,
         }
+    }
+
+    /// What writes outputs beside the picture, made when they are first asked for.
+    pub(super) fn outputs(&self, gpu: &Gpu) -> &Stage {
+        let source = || wgsl::outputs(self.variant);
+        (self.outputs).get_or_init(|| stage(gpu, &module(gpu, &source()), "main"))
     }
 }
 

@@ -2,16 +2,17 @@
 //! where it follows the picture.
 
 use super::error::GpuError;
+use super::lists::{self, PlannedList};
 use super::wgsl::BLOCK_BITS;
 use crate::camera::View;
 use crate::dice::FacePatch;
 use crate::frame::{Drawing, Object, Renderer, Scene, leaf_triangles};
 use crate::limits::Budget;
-use crate::patch::PatchKind;
 use crate::records::ScreenSize;
 use crate::scheme::Scheme;
 use crate::tessellate::{Flatness, Tessellation};
 use crate::topology::NONE;
+use std::collections::{HashMap, HashSet};
 
 /// A block of a face.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +25,12 @@ pub(super) struct PlannedBlock {
     pub(super) log: u32,
     /// Level that it shows, of the cage.
     pub(super) shown: u32,
-    /// Moved points, in [`ObjectPlan::moves`].
+    /// Moved points, in [`ObjectPlan::moves`]; places of all points of a block that is no grid.
     pub(super) moves: [u32; 2],
+    /// Whether it is no grid.
+    pub(super) scattered: bool,
+    /// The list of triangles that it is, of [`ObjectPlan::lists`], or [`NONE`].
+    pub(super) list: u32,
 }
 
 /// What is drawn of an object: blocks in order of their faces.
@@ -36,6 +41,7 @@ pub(super) struct ObjectPlan {
     pub(super) blocks: Vec<PlannedBlock>,
     /// Point in the block, row by row, and where it is on the face's reach.
     pub(super) moves: Vec<[u32; 3]>,
+    pub(super) lists: Vec<PlannedList>,
     /// Whether it is level 0 of a cage with other polygons than quads: quads are blocks of their corners, other polygons one for each
     /// corner, with their centre.
     pub(super) polygonal: bool,
@@ -62,34 +68,13 @@ pub(super) struct Plan {
 /// Refuses what this backend does not draw.
 pub(super) fn check(renderer: &Renderer, scene: &Scene) -> Result<(), GpuError> {
     let refuse = |what| Err(GpuError::Unsupported { what });
-    if !renderer.aovs.is_empty() {
-        return refuse("outputs beside the picture");
-    }
     for object in &scene.objects {
-        let surface = &object.surface;
         if renderer.drawing == Drawing::Cage {
             continue;
         }
-        let is_patches =
-            renderer.drawing == Drawing::Limit && surface.patch_kind() != PatchKind::None;
-        if is_patches && scene.has_relief() && surface.has_uvs() {
-            return refuse("normal or bump maps on patches");
-        }
-        let interpolates = surface.scheme().is_interpolating();
-        if interpolates && scene.has_relief() && surface.has_uvs() {
-            return refuse("normal or bump maps on interpolating surfaces");
-        }
-        let Some(displacement) = surface.displacement() else {
-            continue;
-        };
-        if displacement.source().is_none() {
+        let displacement = object.surface.displacement();
+        if displacement.is_some_and(|d| d.source().is_none()) {
             return refuse("displacement by a rule of the caller's");
-        }
-        if is_patches {
-            return refuse("displaced patches");
-        }
-        if interpolates {
-            return refuse("displacement of interpolating surfaces");
         }
     }
     Ok(())
@@ -102,6 +87,7 @@ struct Extent {
     blocks: u64,
     moves: u64,
     triangles: u64,
+    list_bytes: u64,
     /// Micro-quads along the longest block, as a power of two.
     log: u32,
 }
@@ -113,6 +99,7 @@ impl Extent {
         bytes(self.quads, size_of::<u32>())
             + bytes(self.blocks, size_of::<PlannedBlock>())
             + bytes(self.moves, size_of::<[u32; 3]>())
+            + u128::from(self.list_bytes)
     }
 }
 
@@ -128,7 +115,7 @@ pub(super) fn plan(
     let mut extents = Vec::new();
     for ((object, &level), found) in scene.objects.iter().zip(&levels).zip(&tessellations) {
         extents.push(match found {
-            Some(found) => tessellated_extent(object, found)?,
+            Some(found) => tessellated_extent(object, found),
             None if renderer.drawing == Drawing::Cage => cage_extent(scene, object),
             None => uniform_extent(scene, object, level)?,
         });
@@ -201,9 +188,9 @@ fn uniform_extent(scene: &Scene, object: &Object, level: u32) -> Result<Extent, 
     Ok(Extent {
         quads: surface.quads().face_count() as u64,
         blocks: drawn * blocks,
-        moves: 0,
         triangles: drawn * triangles,
         log: quad_level.min(BLOCK_BITS),
+        ..Extent::default()
     })
 }
 
@@ -234,6 +221,8 @@ fn uniform(scene: &Scene, object: &Object, level: u32) -> ObjectPlan {
                     log,
                     shown: level,
                     moves: [0; 2],
+                    scattered: false,
+                    list: NONE,
                 });
             }
         }
@@ -271,12 +260,14 @@ fn polygons(scene: &Scene, object: &Object, level: u32) -> ObjectPlan {
             log: 0,
             shown: level,
             moves: [0; 2],
+            scattered: false,
+            list: NONE,
         }));
     }
     plan
 }
 
-fn tessellated_extent(object: &Object, found: &Tessellation) -> Result<Extent, GpuError> {
+fn tessellated_extent(object: &Object, found: &Tessellation) -> Extent {
     let mut out = Extent {
         quads: object.surface.quads().face_count() as u64,
         blocks: found.leaves.len() as u64,
@@ -284,15 +275,19 @@ fn tessellated_extent(object: &Object, found: &Tessellation) -> Result<Extent, G
         triangles: leaf_triangles(found),
         ..Extent::default()
     };
+    let mut seen = HashSet::new();
     for leaf in &found.leaves {
-        if found.list(leaf).is_some() {
-            return Err(GpuError::Unsupported {
-                what: "refinement patterns",
-            });
+        let Some(list) = found.list(leaf) else {
+            out.log = out.log.max(u32::from(leaf.log));
+            continue;
+        };
+        out.log = out.log.max(lists::log(leaf, list)).max(lists::id_log(list));
+        out.moves += list.points.len() as u64;
+        if seen.insert(leaf.list) {
+            out.list_bytes += lists::bytes(leaf, list) as u64;
         }
-        out.log = out.log.max(u32::from(leaf.log));
     }
-    Ok(out)
+    out
 }
 
 fn tessellated(object: &Object, found: &Tessellation) -> ObjectPlan {
@@ -302,8 +297,11 @@ fn tessellated(object: &Object, found: &Tessellation) -> ObjectPlan {
         reach: vec![NONE; surface.quads().face_count()],
         ..ObjectPlan::default()
     };
+    let mut numbers = HashMap::new();
     for (k, leaf) in found.leaves.iter().enumerate() {
         plan.reach[leaf.quad as usize] = u32::from(leaf.reach);
+        let list = found.list(leaf);
+        let scattered = list.filter(|list| !list.points.is_empty());
         let side = (1_u32 << leaf.log) + 1;
         let first = plan.moves.len() as u32;
         for m in found.moves(k) {
@@ -311,11 +309,24 @@ fn tessellated(object: &Object, found: &Tessellation) -> ObjectPlan {
             plan.moves
                 .push([at, u32::from(m.to[0]), u32::from(m.to[1])]);
         }
+        for (at, place) in (0..).zip(scattered.iter().flat_map(|list| &list.points)) {
+            let [x, y] = place.map(|k| u32::from(k) << (leaf.reach - leaf.level));
+            plan.moves.push([at, x, y]);
+        }
+        let all = &mut plan.lists;
+        let number = list.map(|list| {
+            *numbers.entry(leaf.list).or_insert_with(|| {
+                all.push(PlannedList::new(leaf, list));
+                all.len() as u32 - 1
+            })
+        });
         plan.blocks.push(PlannedBlock {
             quad: leaf.quad,
             start: leaf.start.map(u32::from),
             level: u32::from(leaf.level),
-            log: u32::from(leaf.log),
+            log: list.map_or(u32::from(leaf.log), |list| lists::log(leaf, list)),
+            scattered: scattered.is_some(),
+            list: number.unwrap_or(NONE),
             shown: u32::from(leaf.level) + split,
             moves: [first, plan.moves.len() as u32],
         });

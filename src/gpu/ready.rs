@@ -4,13 +4,15 @@ use super::chunk::{ChunkData, chunks};
 use super::dicer::{Dicer, Firsts, Look};
 use super::error::GpuError;
 use super::further::Further;
+use super::outputs::Outputs;
 use super::plan::{ObjectPlan, Plan};
 use super::records::Rise;
 use super::rise::Maps;
 use super::stats::GpuStats;
 use super::view::Drawn;
+use crate::camera::View;
 use crate::displace::Displacement;
-use crate::frame::{Drawing, Object, Renderer, Scene};
+use crate::frame::{Aov, Drawing, Object, Renderer, Scene};
 use crate::limits::Budget;
 use crate::load::surface_bytes;
 use crate::mesh::Cage;
@@ -28,7 +30,16 @@ pub(super) struct Ready {
     pub(super) heights: Vec<f32>,
     /// What stands behind all of these: texture coordinates, then colours.
     pub(super) values: Vec<u32>,
+    /// What is written beside the picture.
+    pub(super) outputs: Outputs,
     pub(super) stats: GpuStats,
+}
+
+/// Who reads texture coordinates.
+#[derive(Clone, Copy)]
+struct UvUse {
+    shading: bool,
+    outputs: bool,
 }
 
 /// What an object is drawn with; its map is put among `heights`.
@@ -36,7 +47,7 @@ fn look<'a>(
     renderer: &Renderer,
     scene: &Scene,
     (object, plan): (&'a Object, &ObjectPlan),
-    wants_uvs: bool,
+    wants_uvs: UvUse,
     heights: &mut Maps<'a>,
     budget: &mut Budget<'_>,
 ) -> Result<Look, GpuError> {
@@ -46,16 +57,26 @@ fn look<'a>(
     let rise = Rise::of(displacement, heights, budget)?.ok_or(GpuError::Missing {
         what: "displacement of the device",
     })?;
-    let textured = wants_uvs && surface.has_uvs();
+    let shaded = wants_uvs.shading && surface.has_uvs();
     let has_tangents = !is_cage && !plan.polygonal;
-    let tilted = textured && has_tangents && (scene.has_relief() || object.is_shaded_by_map());
+    let tilted = shaded && has_tangents && (scene.has_relief() || object.is_shaded_by_map());
+    let interpolates = surface.scheme().is_interpolating();
     let by_map = displacement.is_some_and(Displacement::needs_uvs);
     Ok(Look {
-        width: if displacement.is_some() { 6 } else { 3 },
-        uv_width: if tilted || by_map { 3 } else { 1 },
-        textured,
+        // Interpolating surfaces have no formula for derivatives.
+        width: match displacement.is_some() && !interpolates {
+            true => 6,
+            false => 3,
+        },
+        uv_width: match (tilted || by_map) && !interpolates {
+            true => 3,
+            false => 1,
+        },
+        differences: interpolates && !plan.polygonal && (tilted || displacement.is_some()),
+        textured: shaded || wants_uvs.outputs && surface.has_uvs(),
+        shaded,
         tilted,
-        cut: textured && scene.materials.iter().any(|m| m.opacity_map.is_some()),
+        cut: shaded && scene.materials.iter().any(|m| m.opacity_map.is_some()),
         rise,
     })
 }
@@ -64,14 +85,18 @@ impl Ready {
     /// What `renderer` draws of `scene`, by a plan of its blocks. `limit` is the size of the largest binding in bytes.
     pub(super) fn of(
         renderer: &Renderer,
-        scene: &Scene,
+        (scene, view): (&Scene, &View),
         plan: Plan,
         limit: u64,
         budget: &mut Budget<'_>,
     ) -> Result<(Self, Drawn), GpuError> {
-        let wants_uvs = renderer.mode == ShadeMode::Uv
-            || !scene.textures.is_empty()
-            || scene.objects.iter().any(Object::is_shaded_by_map);
+        let wanted = renderer.wanted(scene, view)?;
+        let wants_uvs = UvUse {
+            shading: renderer.mode == ShadeMode::Uv
+                || !scene.textures.is_empty()
+                || scene.objects.iter().any(Object::is_shaded_by_map),
+            outputs: wanted.wants(Aov::Uv),
+        };
         let mut heights = Maps::default();
         let cages = || scene.objects.iter().map(|o| o.surface.cage());
         let extras = |s: &Surface| match (renderer.drawing, s.patch_kind()) {
@@ -160,6 +185,7 @@ impl Ready {
             further,
             heights: heights.texels,
             values,
+            outputs: Outputs::new(wanted),
             stats,
         };
         Ok((ready, drawn))

@@ -172,7 +172,7 @@ record! {
         width: u32,
         /// The same of texture coordinates: 1 or 3.
         uv_width: u32,
-        /// 1 where shading reads texture coordinates.
+        /// 1 where there are texture coordinates at points.
         textured: u32,
         /// 1 where normals are tilted pixel by pixel.
         tangents: u32,
@@ -180,10 +180,12 @@ record! {
         cut: u32,
         /// Weights of a colour by a control point, of which the first is read.
         color_width: u32,
+        /// 1 where shading reads texture coordinates; outputs beside the picture read those that are there.
+        shaded: u32,
+        /// 1 where derivatives are differences of a block's points: of interpolating surfaces, which have no formula.
+        differences: u32,
         /// Nothing.
         padding: u32,
-        /// Nothing.
-        more_padding: [u32; 2],
     }
 }
 
@@ -228,6 +230,10 @@ record! {
 record! {
     /// What a spot of a displaced surface takes from elsewhere: one for each spot.
     Lift {
+        /// Of patches, where point and normal come from. Quadratic ones: the spots of both ends and of the middle of a curve, in the order first,
+        /// middle, last, and a [`pn_place`](super::wgsl::pn_place) on it, whose row is nothing. PN triangles: where control points stand, and
+        /// the place, of the point and of the normal.
+        curve: [u32; 4],
         /// First entry of the texture coordinates in the list of gathers, of the face that says the position.
         uv_gather: u32,
         /// How many there are.
@@ -242,12 +248,17 @@ record! {
         own_count: u32,
         /// First weight of their table.
         own_table: u32,
-        /// First of the normals whose mitre the direction is, in the list of gathers: a stencil and a point of its table each.
+        /// First of the normals whose mitre the direction is, in the list of gathers: a stencil and a point of its table each, or four words
+        /// as those of `curve`, of which PN triangles read the first two.
         mitre: u32,
         /// How many there are; none where the direction is the normal.
         mitre_count: u32,
+        /// 1 where there is a curve; other spots of quadratic patches are what curves run through.
+        curved: u32,
+        /// 1 where the normals of the mitre are those of curves.
+        mitre_curves: u32,
         /// Nothing.
-        padding: [u32; 3],
+        padding: u32,
     }
 }
 
@@ -287,10 +298,14 @@ record! {
         corners: [u32; 4],
         /// First spots of the sides.
         sides: [u32; 4],
+        /// Of quadratic patches: spots of the corners that they run through.
+        base_corners: [u32; 4],
+        /// The same of the middles of the sides.
+        base_sides: [u32; 4],
         /// Per side eight bits: by how many levels its spots are finer than the face, in bit 7 whether they run the other way, and in bit 6 whether
         /// the side of the face that owns their positions does.
         turns: u32,
-        /// Its stencil.
+        /// Its stencil; of patches, that of the limit surface.
         stencil: u32,
         /// Points of a row of its table.
         row: u32,
@@ -329,7 +344,7 @@ record! {
         start_x: u32,
         /// First row.
         start_y: u32,
-        /// From one point to the next there.
+        /// From one point to the next there; 0 where every point has a place of its own, among the moved points.
         step: u32,
         /// Micro-quads along a side, as a power of two.
         log: u32,
@@ -341,8 +356,12 @@ record! {
         move_count: u32,
         /// Level that it shows.
         level: u32,
-        /// Nothing.
-        padding: [u32; 3],
+        /// Of a block that is a list of triangles: where they begin in the chunk's lists.
+        list: u32,
+        /// How many there are; 0 where the micro-quads of the grid are drawn.
+        list_count: u32,
+        /// Where it stands in the lists which triangles are around each point.
+        around: u32,
     }
 }
 
@@ -373,6 +392,43 @@ record! {
         relief_map: u32,
         /// What white of a bump map stands for; 0 of a normal map.
         bump: f32,
+    }
+}
+
+record! {
+    /// What is written beside the picture: where the codes of each output begin among the words of a pixel, all bits where it is not
+    /// wanted. A uniform.
+    Outputs {
+        /// What code 0 of positions means.
+        position_low: [f32; 4],
+        /// What their code 65535 means.
+        position_high: [f32; 4],
+        /// The same of texture coordinates: u and v of 0, then of 65535.
+        uv_range: [f32; 4],
+        /// Samples of a pixel, nearest to its centre first.
+        order: [[u32; 4]; 4],
+        /// Words of a pixel.
+        words: u32,
+        /// Depth.
+        depth: u32,
+        /// Normal.
+        normal: u32,
+        /// Position.
+        position: u32,
+        /// Colour without light.
+        albedo: u32,
+        /// Texture coordinates.
+        uv: u32,
+        /// Face of the cage.
+        face: u32,
+        /// Level of subdivision.
+        level: u32,
+        /// Share of the samples that show anything.
+        coverage: u32,
+        /// Nothing.
+        padding: u32,
+        /// Nothing.
+        more_padding: [u32; 2],
     }
 }
 

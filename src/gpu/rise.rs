@@ -4,6 +4,7 @@ use super::chunk::Builder;
 use super::dicer::Dicer;
 use super::error::GpuError;
 use super::owners::Owners;
+use super::patches::Curve;
 use super::records::{Lift, Rise};
 use super::wgsl::{MAP, NOISE, RIDGED, RIPPLES};
 use crate::displace::{Displacement, HeightMap, Shape, Source};
@@ -86,15 +87,15 @@ impl<'a> Maps<'a> {
 }
 
 impl Builder {
-    /// What the corner that half-edge `h` begins with takes from elsewhere, once its spot is there.
+    /// What the corner that half-edge `h` begins with takes from elsewhere, once its spot is there; with what patches stand on.
     pub(super) fn lift_corner(
         &mut self,
         dicer: &Dicer<'_>,
         h: u32,
-        owners: Owners,
+        of: (Owners, Option<Curve>),
     ) -> Result<(), GpuError> {
         let Some(mitred) = dicer.surface.mitred_corner(h) else {
-            self.lift(dicer, owners, None);
+            self.lift(dicer, of, None);
             return Ok(());
         };
         let count = dicer.corner_count();
@@ -103,7 +104,7 @@ impl Builder {
             let at = dicer.along(h % count, 0, 1);
             places.push(self.place(dicer, h / count, at, 0)?);
         }
-        self.lift(dicer, owners, Some(&places));
+        self.lift(dicer, of, Some(Mitre::Places(&places)));
         Ok(())
     }
 
@@ -112,37 +113,52 @@ impl Builder {
         &mut self,
         dicer: &Dicer<'_>,
         h: u32,
-        owners: Owners,
+        of: (Owners, Option<Curve>),
         [k, level]: [u32; 2],
     ) -> Result<(), GpuError> {
+        let position = of.0.position;
         let Some(mitred) = dicer.surface.mitred_side(h) else {
-            self.lift(dicer, owners, None);
+            self.lift(dicer, of, None);
             return Ok(());
         };
+        if dicer.lifts_patches() {
+            let curves = self.mitred_curves(dicer, &mitred, position, [k, level])?;
+            self.lift(dicer, of, Some(Mitre::Curves(&curves)));
+            return Ok(());
+        }
         let (count, n) = (dicer.corner_count(), 1 << level);
         let mut places = Vec::new();
         for h in mitred {
             // Twins run the other way.
-            let k = if h == owners.position { k } else { n - k };
+            let k = if h == position { k } else { n - k };
             let at = dicer.along(h % count, k, n);
             places.push(self.place(dicer, h / count, at, level)?);
         }
-        self.lift(dicer, owners, Some(&places));
+        self.lift(dicer, of, Some(Mitre::Places(&places)));
         Ok(())
     }
 
-    fn lift(&mut self, dicer: &Dicer<'_>, owners: Owners, mitre: Option<&[[u32; 2]]>) {
+    fn lift(
+        &mut self,
+        dicer: &Dicer<'_>,
+        (owners, curve): (Owners, Option<Curve>),
+        mitre: Option<Mitre<'_>>,
+    ) {
         let count = dicer.corner_count();
         let (mut uv, mut own) = ([0; 3], [0; 3]);
         if dicer.lifts_by_uvs() {
             uv = self.uv_stencil(dicer, owners.position / count, true);
-            own = self.uv_stencil(dicer, owners.normal / count, true);
+            own = self.uv_stencil(dicer, dicer.evaluated(owners) / count, true);
         }
         let first = self.data.gathers.len() as u32;
-        let held = u32::from(mitre.is_none());
-        let mitre = mitre.unwrap_or_default();
-        self.data.gathers.extend(mitre.as_flattened());
+        let (held, of_curves, mitre_count, words) = match mitre {
+            None => (1, 0, 0, &[][..]),
+            Some(Mitre::Places(all)) => (0, 0, all.len(), all.as_flattened()),
+            Some(Mitre::Curves(all)) => (0, 1, all.len(), all.as_flattened()),
+        };
+        self.data.gathers.extend(words);
         self.data.lifts.push(Lift {
+            curve: curve.unwrap_or_default(),
             uv_gather: uv[0],
             uv_count: uv[1],
             uv_table: uv[2],
@@ -151,8 +167,17 @@ impl Builder {
             own_count: own[1],
             own_table: own[2],
             mitre: first,
-            mitre_count: mitre.len() as u32,
-            padding: [0; 3],
+            mitre_count: mitre_count as u32,
+            curved: u32::from(curve.is_some()),
+            mitre_curves: of_curves,
+            padding: 0,
         });
     }
+}
+
+/// What a direction is the mitre of: normals of the limit surface, each a stencil and a point of its table, or those of curves.
+#[derive(Clone, Copy)]
+enum Mitre<'a> {
+    Places(&'a [[u32; 2]]),
+    Curves(&'a [Curve]),
 }

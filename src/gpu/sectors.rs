@@ -1,7 +1,7 @@
 //! Blocks of polygonal levels (`surface::polygons`).
 
 use super::chunk::{ALIGNED, Builder};
-use super::dicer::{Dicer, FaceTable, Shown};
+use super::dicer::{Dicer, FaceTable};
 use super::error::GpuError;
 use super::plan::PlannedBlock;
 use super::polygon::CORNERS;
@@ -72,11 +72,7 @@ impl Builder {
             .collect();
         quads.sort_unstable();
         quads.dedup();
-        let [mut weights, mut gathers] = match dicer.shown {
-            // Their corners have control points of their own.
-            Shown::Pn => [0; 2],
-            _ => self.rim_bytes(dicer, &quads)?,
-        };
+        let [mut weights, mut gathers] = self.rim_bytes(dicer, &quads)?;
         for rows in [dicer.uv_rows(quad), dicer.color_rows(quad)?] {
             let Some(rows) = rows else { continue };
             weights += 4 * rows.weights.len().next_multiple_of(ALIGNED as usize) as u64;

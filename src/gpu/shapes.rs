@@ -4,7 +4,7 @@ use super::deciding::nets;
 use super::dicer::{Dicer, Shown};
 use super::error::GpuError;
 use super::surroundings::{Finder, Surroundings};
-use super::tables;
+use super::{tables, uv_tables};
 use crate::frame::Drawing;
 use crate::limits::Budget;
 use crate::topology::NONE;
@@ -79,12 +79,15 @@ impl Dicer<'_> {
         }
         budget.take("the faces of the GPU backend", bytes as u128, 0)?;
         let wanted: Vec<_> = shapes.all.iter().zip(levels).collect();
-        if self.shown != Shown::Pn {
+        if !self.is_apart() {
             self.tables = tables::make(self.surface, &wanted, drawing, self.look.width, budget)?;
         }
         if has_nets {
             let all = shapes.all.iter().map(|shape| nets(self.surface, shape));
             self.nets = all.collect::<Result<_, _>>()?;
+        }
+        if self.shown == Shown::Qas {
+            self.base_tables = tables::make_base(self.surface, &wanted, self.look.width, budget)?;
         }
         let (numbers, wanted) = self.numbered(&color_faces, &shapes.all);
         self.color_numbers = numbers;
@@ -97,7 +100,7 @@ impl Dicer<'_> {
         )?;
         let (numbers, wanted) = self.numbered(&uv_faces, &uv_shapes.all);
         self.uv_numbers = numbers;
-        self.uv_tables = tables::make_uvs(self.surface, &wanted, self.look.uv_width, budget)?;
+        self.uv_tables = uv_tables::make_uvs(self.surface, &wanted, self.look.uv_width, budget)?;
         Ok(())
     }
 
@@ -112,7 +115,7 @@ impl Dicer<'_> {
         let mut wanted: Vec<tables::Wanted<'s>> = Vec::new();
         let mut of_faces = HashMap::new();
         for &[face, shape] in faces {
-            let level = match self.shown.is_patches() {
+            let level = match self.is_apart() {
                 true => self.drawn_levels[&face],
                 false => self.tables[self.faces[&face].shape as usize].level,
             };

@@ -2,6 +2,7 @@
 
 use crate::camera::View;
 use crate::film::Image;
+use crate::frame::Plane;
 use std::time::Duration;
 
 /// What a picture took.
@@ -17,7 +18,7 @@ pub struct GpuStats {
     pub pixels_covered: u64,
     /// Bytes written to the device for this picture: points that moved, and the view.
     pub bytes_up: u64,
-    /// Bytes read back: the picture.
+    /// Bytes read back: the picture, and what was asked for beside it.
     pub bytes_down: u64,
     /// Buffers that were read back.
     pub read_backs: u32,
@@ -48,6 +49,8 @@ pub struct GpuStats {
 pub struct GpuFrame {
     /// The picture.
     pub image: Image,
+    /// What was asked for beside it, in the order of [`Renderer::aovs`](crate::Renderer::aovs).
+    pub planes: Vec<Plane>,
     /// What it took.
     pub stats: GpuStats,
     /// The view that the camera came to.

@@ -67,7 +67,13 @@ pub(super) fn rim_index([x, y]: [u32; 2], n: u32, triangles: bool) -> u32 {
 }
 
 /// The points on the sides of grids of `groups` columns each.
-fn rims(weights: &[f32], groups: usize, width: u32, level: u32, triangles: bool) -> Vec<f32> {
+pub(super) fn rims(
+    weights: &[f32],
+    groups: usize,
+    width: u32,
+    level: u32,
+    triangles: bool,
+) -> Vec<f32> {
     let (n, width) = (1_u32 << level, width as usize);
     let side = n + 1;
     let stride = rim_len(level, triangles) as usize;
@@ -92,7 +98,7 @@ fn rims(weights: &[f32], groups: usize, width: u32, level: u32, triangles: bool)
 }
 
 /// Points of a rim.
-fn rim_len(level: u32, triangles: bool) -> u32 {
+pub(super) fn rim_len(level: u32, triangles: bool) -> u32 {
     (if triangles { 3 } else { 4 }) << level
 }
 
@@ -103,7 +109,7 @@ const MOST_BYTES: u128 = 4 << 30;
 pub(super) type Wanted<'a> = (&'a Surroundings, u32);
 
 /// Takes the memory of tables of `shapes`, of which each has a number of values per point.
-fn take(
+pub(super) fn take(
     surface: &Surface,
     shapes: &[Wanted<'_>],
     values: impl Fn(&Surroundings) -> usize,
@@ -123,7 +129,7 @@ fn take(
 }
 
 /// Quads of a face that have a grid each.
-fn subs(surface: &Surface, shape: &Surroundings) -> usize {
+pub(super) fn subs(surface: &Surface, shape: &Surroundings) -> usize {
     match surface.is_split() {
         true => shape.size() as usize,
         false => 1,
@@ -131,7 +137,7 @@ fn subs(surface: &Surface, shape: &Surroundings) -> usize {
 }
 
 /// Where the processor's evaluation gives no weights, a face would silently be drawn as a point.
-const NO_WEIGHTS: GpuError = GpuError::Missing {
+pub(super) const NO_WEIGHTS: GpuError = GpuError::Missing {
     what: "weights of a face",
 };
 
@@ -145,6 +151,28 @@ pub(super) fn make(
     width: u32,
     budget: &mut Budget<'_>,
 ) -> Result<Vec<Table>, GpuError> {
+    let mends = width > 3 && surface.scheme() != Scheme::Bilinear;
+    made(surface, shapes, drawing, (width, mends), budget)
+}
+
+/// Makes tables of the limit surface at level 1, which quadratic patches run through: corners without a normal add nothing to theirs.
+pub(super) fn make_base(
+    surface: &Surface,
+    shapes: &[Wanted<'_>],
+    width: u32,
+    budget: &mut Budget<'_>,
+) -> Result<Vec<Table>, GpuError> {
+    let base: Vec<Wanted<'_>> = shapes.iter().map(|&(shape, _)| (shape, 1)).collect();
+    made(surface, &base, Drawing::Limit, (width, false), budget)
+}
+
+fn made(
+    surface: &Surface,
+    shapes: &[Wanted<'_>],
+    drawing: Drawing,
+    (width, mends): (u32, bool),
+    budget: &mut Budget<'_>,
+) -> Result<Vec<Table>, GpuError> {
     let values = |shape: &Surroundings| width as usize * shape.vertices.len();
     take(surface, shapes, values, budget)?;
     let limits = budget.limits();
@@ -152,7 +180,7 @@ pub(super) fn make(
         .par_iter()
         .map(|&(shape, level)| {
             limits.check()?;
-            one(surface, shape, level, drawing, width)
+            one(surface, shape, level, drawing, (width, mends))
         })
         .collect()
 }
@@ -162,7 +190,7 @@ fn one(
     shape: &Surroundings,
     level: u32,
     drawing: Drawing,
-    width: u32,
+    (width, mends): (u32, bool),
 ) -> Result<Table, GpuError> {
     let (split, triangles) = (whole.is_split(), whole.is_triangular());
     let mut surface = shape.surface(whole);
@@ -175,8 +203,7 @@ fn one(
     let quarters = split && shape.size() == 4;
     let asked = if quarters { 2 * n } else { n };
     let mut weights = vec![0.0_f32; subs * count * side * side * width as usize];
-    let flat_in = width > 3 && surface.scheme() != Scheme::Bilinear;
-    let mut corners = flat_in.then(|| Corners::new(subs, count, triangles));
+    let mut corners = mends.then(|| Corners::new(subs, count, triangles));
     let mut samples = Vec::new();
     let mut points = vec![[0.0_f32; 3]; surface.control_base().len()];
     for first in (0..count).step_by(3) {
@@ -247,7 +274,7 @@ fn one(
 }
 
 /// Where in a grid of `n` segments over a face of four corners point (i, j) of its quad at corner `sub` is.
-fn quarter(sub: usize, i: usize, j: usize, n: usize) -> usize {
+pub(super) fn quarter(sub: usize, i: usize, j: usize, n: usize) -> usize {
     let [x, y] = match sub {
         0 => [i, j],
         1 => [n - j, i],
@@ -283,131 +310,4 @@ fn compact(table: Table, subs: usize) -> Table {
         weights,
         ..Table::default()
     }
-}
-
-/// The weights of texture coordinates of a shape of surroundings.
-#[derive(Clone, Debug, Default)]
-pub(super) struct UvTable {
-    pub(super) level: u32,
-    /// Columns: local texture coordinates.
-    pub(super) count: u32,
-    /// Weights of a column at a point.
-    pub(super) width: u32,
-    /// The same of the points on the sides alone, by [`rim_index`].
-    pub(super) rim: Vec<f32>,
-    /// Points of a rim.
-    pub(super) rim_stride: u32,
-    /// The value, and where there are three du and dv; by quad of the face where it is split, by column, by point of the grid.
-    pub(super) weights: Vec<f32>,
-}
-
-impl UvTable {
-    /// First weight of quad `sub` in the rim.
-    pub(super) fn rim_offset(&self, sub: u32) -> u32 {
-        sub * self.count * self.rim_stride * self.width
-    }
-
-    /// First weight of quad `sub`.
-    pub(super) fn offset(&self, sub: u32) -> u32 {
-        let side = (1 << self.level) + 1;
-        sub * self.count * side * side * self.width
-    }
-
-    pub(super) fn bytes(&self) -> u64 {
-        4 * self.weights.len() as u64
-    }
-
-    pub(super) fn rim_bytes(&self) -> u64 {
-        4 * self.rim.len() as u64
-    }
-}
-
-/// Makes the tables of texture coordinates of `shapes` at their levels.
-pub(super) fn make_uvs(
-    surface: &Surface,
-    shapes: &[Wanted<'_>],
-    width: u32,
-    budget: &mut Budget<'_>,
-) -> Result<Vec<UvTable>, GpuError> {
-    let values = |shape: &Surroundings| width as usize * shape.uvs.len();
-    take(surface, shapes, values, budget)?;
-    let limits = budget.limits();
-    shapes
-        .par_iter()
-        .map(|&(shape, level)| {
-            limits.check()?;
-            one_uvs(surface, shape, level, width)
-        })
-        .collect()
-}
-
-fn one_uvs(
-    whole: &Surface,
-    shape: &Surroundings,
-    level: u32,
-    width: u32,
-) -> Result<UvTable, GpuError> {
-    let split = whole.is_split();
-    // A face without any among faces that have some has zeros.
-    let is_known = shape.has_own_uvs();
-    let count = shape.uvs.len();
-    let n = 1_usize << level;
-    let side = n + 1;
-    let place = |i: usize, j: usize| [i, j].map(|k| k as f32 / n as f32);
-    let subs = subs(whole, shape);
-    let mut weights = vec![0.0_f32; subs * count * side * side * width as usize];
-    for first in (0..count).step_by(2) {
-        let mut values = vec![[0.0_f32; 2]; count];
-        values[first][0] = 1.0;
-        if let Some(second) = values.get_mut(first + 1) {
-            second[1] = 1.0;
-        }
-        let surface = shape.surface_with(whole, &values);
-        let mut face = surface.face_evaluator(0).ok_or(NO_WEIGHTS)?;
-        let mut jets = (width > 1).then(|| PlaceJets::new(&surface));
-        for sub in 0..subs {
-            for j in 0..side {
-                for i in 0..side {
-                    let at = match (whole.is_triangular(), split, shape.size()) {
-                        (true, ..) if j > i => continue,
-                        (true, ..) => [(i - j) as f32 / n as f32, j as f32 / n as f32],
-                        (_, true, 4) => {
-                            let k = quarter(sub, i, j, 2 * n);
-                            let [x, y] = [k % (2 * n + 1), k / (2 * n + 1)];
-                            [x, y].map(|x| x as f32 / (2 * n) as f32)
-                        }
-                        // Where a polygon's quad ends its next one begins, elsewhere: the last place before.
-                        (_, true, _) if i == n => {
-                            [(sub as f32 + 1.0).next_down(), j as f32 / n as f32]
-                        }
-                        _ => [sub as f32 + i as f32 / n as f32, j as f32 / n as f32],
-                    };
-                    let found = match face.uv(at[0], at[1]) {
-                        None if is_known => return Err(NO_WEIGHTS),
-                        found => found.unwrap_or_default(),
-                    };
-                    let by = match &mut jets {
-                        Some(jets) => Some(jets.uvs(sub as u32, place(i, j)).ok_or(NO_WEIGHTS)?),
-                        None => None,
-                    };
-                    for k in first..count.min(first + 2) {
-                        let at = ((sub * count + k) * side + j) * side + i;
-                        let out = &mut weights[at * width as usize..][..width as usize];
-                        out[0] = found[k - first];
-                        if let Some(by) = by {
-                            out[1..].copy_from_slice(&by.map(|d| d[k - first]));
-                        }
-                    }
-                }
-            }
-        }
-    }
-    Ok(UvTable {
-        level,
-        count: count as u32,
-        width,
-        rim: rims(&weights, subs * count, width, level, whole.is_triangular()),
-        rim_stride: rim_len(level, whole.is_triangular()),
-        weights,
-    })
 }

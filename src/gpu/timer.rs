@@ -9,6 +9,19 @@ use wgpu::BufferUsages as Usage;
 /// Most time stamps of a set, in WebGPU.
 const MOST: u32 = 4096;
 
+/// Begins a pass, whose time is kept as that of stage `number` where time is kept.
+pub(super) fn pass<'e>(
+    timer: Option<&Timer>,
+    encoder: &'e mut wgpu::CommandEncoder,
+    name: &'static str,
+    number: u32,
+) -> wgpu::ComputePass<'e> {
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+        label: Some(name),
+        timestamp_writes: timer.map(|t| t.of_stage(number)),
+    })
+}
+
 /// Time stamps of some stages.
 #[derive(Debug)]
 pub(super) struct Timer {
@@ -36,7 +49,7 @@ impl Timer {
         }))
     }
 
-    pub(super) fn of_stage(&self, stage: u32) -> wgpu::ComputePassTimestampWrites<'_> {
+    fn of_stage(&self, stage: u32) -> wgpu::ComputePassTimestampWrites<'_> {
         wgpu::ComputePassTimestampWrites {
             query_set: &self.set,
             beginning_of_pass_write_index: Some(2 * stage),

@@ -21,7 +21,10 @@ pub(super) struct DeviceChunk {
     pub(super) colors: wgpu::Buffer,
     pub(super) tangents: wgpu::Buffer,
     pub(super) rise: wgpu::Buffer,
+    pub(super) lists: wgpu::Buffer,
     pub(super) sides: wgpu::BindGroup,
+    /// Where patches are displaced.
+    pub(super) curves: Option<wgpu::BindGroup>,
     pub(super) inside: wgpu::BindGroup,
     /// Which blocks there are.
     pub(super) named: Vec<NamedBlock>,
@@ -96,11 +99,12 @@ pub(super) fn point_words(points: &[[f32; 3]]) -> Vec<u32> {
     points.iter().flatten().map(|c| c.to_bits()).collect()
 }
 
+/// A uniform with one record.
 pub(super) fn uniform<R: Record>(gpu: &Gpu, record: &R) -> Result<wgpu::Buffer, GpuError> {
     let mut words = Vec::new();
     record.put(&mut words);
     let usage = Usage::UNIFORM | Usage::COPY_DST;
-    let buffer = gpu.empty("numbers of a chunk", R::SIZE as u64, usage)?;
+    let buffer = gpu.empty("numbers", R::SIZE as u64, usage)?;
     gpu.queue()
         .write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
     Ok(buffer)
@@ -134,6 +138,7 @@ pub(super) fn device_chunk(
     let phases = (0..phases)
         .map(|phase| uniform(gpu, &data.record(phase as u32)))
         .collect::<Result<Vec<_>, _>>()?;
+    let lists = gpu.filled("lists of triangles", &data.lists)?;
     let rise = uniform(gpu, &data.look.rise)?;
     // A binding holds one record at least.
     let lifts = match &data.lifts[..] {
@@ -151,6 +156,7 @@ pub(super) fn device_chunk(
         (12, &rise),
         (14, heights),
     ];
+    let has_curves = data.lifts.iter().any(|l| l.curved != 0);
     let side_bindings = [&shared[..], &[(5, &spots), (13, &lifts)]].concat();
     let has_uvs = data.look.textured && data.faces.iter().any(|f| f.uv_count > 0);
     let uv_bytes = if has_uvs {
@@ -183,7 +189,7 @@ pub(super) fn device_chunk(
     let inside_bindings = [&shared[..], &own].concat();
     let all = [
         &gathers, &weights, &stencils, &spots, &faces, &blocks, &moves, &points, &large, &uvs,
-        &colors, &tangents, &lifts,
+        &colors, &tangents, &lifts, &lists,
     ];
     *scene_bytes += all.iter().map(|b| b.size()).sum::<u64>();
     let of = Chunk {
@@ -209,6 +215,7 @@ pub(super) fn device_chunk(
             points: data.points(),
         },
         sides: pipelines.sides.bind(gpu, &side_bindings),
+        curves: has_curves.then(|| pipelines.curves.bind(gpu, &side_bindings)),
         inside: pipelines.inside.bind(gpu, &inside_bindings),
         named: data.named,
         points,
@@ -217,6 +224,7 @@ pub(super) fn device_chunk(
         colors,
         tangents,
         rise,
+        lists,
         blocks,
         faces,
         flatness,

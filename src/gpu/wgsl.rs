@@ -78,6 +78,7 @@ const HEIGHT: &str = include_str!("wgsl/height.wgsl");
 const SCREEN: &str = include_str!("wgsl/screen.wgsl");
 const TEXTURE: &str = include_str!("wgsl/texture.wgsl");
 const SURFACE: &str = include_str!("wgsl/surface.wgsl");
+const ENCODE: &str = include_str!("wgsl/encode.wgsl");
 const CUTOUT: &str = include_str!("wgsl/cutout.wgsl");
 const WIDE: &str = include_str!("wgsl/wide.wgsl");
 
@@ -169,6 +170,8 @@ pub struct Variant {
     pub tilted: bool,
     /// Whether anything is cut out by opacity maps.
     pub cut: bool,
+    /// Whether blocks are lists of triangles.
+    pub listed: bool,
 }
 
 impl Variant {
@@ -178,21 +181,24 @@ impl Variant {
             lifted: false,
             tilted: false,
             cut: false,
+            listed: false,
         },
         Self {
             lifted: true,
             tilted: true,
             cut: true,
+            listed: true,
         },
     ];
     /// How many there are.
     #[cfg(feature = "gpu")]
-    pub(super) const COUNT: usize = 8;
+    pub(super) const COUNT: usize = 16;
 
     /// Its number.
     #[cfg(feature = "gpu")]
     pub(super) fn number(self) -> usize {
-        usize::from(self.lifted) | usize::from(self.tilted) << 1 | usize::from(self.cut) << 2
+        let all = [self.lifted, self.tilted, self.cut, self.listed];
+        (all.iter().rev()).fold(0, |number, &is| number << 1 | usize::from(is))
     }
 
     fn constants(self) -> String {
@@ -200,6 +206,7 @@ impl Variant {
             ("LIFTED", self.lifted),
             ("TILTED", self.tilted),
             ("CUT", self.cut),
+            ("LISTED", self.listed),
         ];
         of.map(|(name, is)| format!("const {name} = {is};\n"))
             .concat()
@@ -221,6 +228,8 @@ pub fn dice(variant: Variant) -> Source {
         EVALUATE,
         HEIGHT,
         include_str!("wgsl/displace.wgsl"),
+        include_str!("wgsl/patch.wgsl"),
+        include_str!("wgsl/sides.wgsl"),
         include_str!("wgsl/dice.wgsl"),
     ];
     source("dice", &parts)
@@ -298,11 +307,11 @@ pub fn large(by: Keys, variant: Variant) -> Source {
     source("large", &parts)
 }
 
-/// Keys into colours.
-#[must_use]
-pub fn shade(variant: Variant) -> Source {
+/// What reads the surface that samples show.
+fn of_shown(name: &'static str, variant: Variant, own: &[&str]) -> Source {
+    let constants = variant.constants();
     let parts = [
-        &*variant.constants(),
+        &*constants,
         SCREEN,
         WIDE,
         SURFACE,
@@ -310,15 +319,28 @@ pub fn shade(variant: Variant) -> Source {
         HEIGHT,
         include_str!("wgsl/light.wgsl"),
         include_str!("wgsl/relief.wgsl"),
-        include_str!("wgsl/shade.wgsl"),
+        include_str!("wgsl/shown.wgsl"),
     ];
-    source("shade", &parts)
+    source(name, &[&parts, own].concat())
+}
+
+/// Keys into colours.
+#[must_use]
+pub fn shade(variant: Variant) -> Source {
+    of_shown("shade", variant, &[include_str!("wgsl/shade.wgsl")])
+}
+
+/// Keys into codes of what is written beside the picture.
+#[must_use]
+pub fn outputs(variant: Variant) -> Source {
+    let own = [ENCODE, include_str!("wgsl/outputs.wgsl")];
+    of_shown("outputs", variant, &own)
 }
 
 /// Colours into bytes.
 #[must_use]
 pub fn film() -> Source {
-    source("film", &[include_str!("wgsl/film.wgsl")])
+    source("film", &[ENCODE, include_str!("wgsl/film.wgsl")])
 }
 
 const LEVELS: &str = include_str!("wgsl/levels_shared.wgsl");
@@ -358,7 +380,7 @@ pub fn all() -> Vec<Source> {
     let mut out = vec![film(), face(), edge(), vertex(), connectivity()];
     out.extend([flatness(), edges(), blocks(), scan()]);
     for variant in Variant::ENDS {
-        out.extend([dice(variant), shade(variant)]);
+        out.extend([dice(variant), shade(variant), outputs(variant)]);
         for by in [Keys::Wide, Keys::TwoPass] {
             out.extend([tile(by, variant), large(by, variant)]);
         }

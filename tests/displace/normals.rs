@@ -1,6 +1,7 @@
 //! Normals of displaced surfaces against differences in double precision.
 
 use super::*;
+use earmark::scheme::FaceVaryingRule;
 
 /// Largest angle in degrees between normals at `level` and fourth-order differences of the points `stride` apart, inside of faces and, one
 /// sided, on their sides.
@@ -124,6 +125,36 @@ fn normals_are_the_same_whatever_was_diced_before_and_at_every_level() {
             if surface.scheme() != Scheme::Loop {
                 assert_eq!(among, 0);
             }
+        }
+    }
+}
+
+/// A plane under a ramp, where coordinates are linear and derivatives are differences.
+#[test]
+fn slopes_of_interpolating_surfaces_do_not_depend_on_the_level() {
+    const SIDE: u32 = 64;
+    let ramp = (0..SIDE * SIDE).map(|k| (k % SIDE) as f32 / SIDE as f32);
+    let ramp = Arc::new(HeightMap::new(SIDE, SIDE, ramp.collect()).unwrap());
+    // One unit up over four units of the plane.
+    let at = |k: u32| [(k % 5) as f32, (k / 5) as f32];
+    let points = (0..25).map(|k| [at(k)[0], at(k)[1], 0.0]).collect();
+    let uvs = (0..25).map(|k| at(k).map(|c| c / 4.0)).collect();
+    let quads = (0..16).map(|q| q % 4 + q / 4 * 5);
+    let corners: Vec<u32> = quads.flat_map(|a| [a, a + 1, a + 6, a + 5]).collect();
+    let cage = Cage::new(points, &[4; 16], corners.clone()).unwrap();
+    let cage = cage.with_uvs(uvs, corners).unwrap();
+    let options = SurfaceOptions {
+        face_varying: Some(FaceVaryingRule::All),
+        ..by(Scheme::Kobbelt)
+    };
+    let mut surface = Surface::new(cage, &options);
+    surface.set_displacement(Some(Displacement::map(ramp)));
+    let length = (1.0_f32 + 1.0 / 16.0).sqrt();
+    for level in [1, 4] {
+        // A face in the middle, away from where the ramp begins again.
+        for n in surface.dice(5, level).normals {
+            let off = [n[0] + 0.25 / length, n[1], n[2] - 1.0 / length];
+            assert!(off.iter().all(|c| c.abs() < 1e-3), "{level}: {n:?}");
         }
     }
 }

@@ -573,7 +573,11 @@ fn side(block: &ReadBlock, c: usize, numbers: usize) -> Vec<Vec<u32>> {
 fn differing(surface: &Surface, blocks: &[ReadBlock]) -> (usize, usize) {
     let t = surface.quads();
     let (mut differ, mut compared) = (0, 0);
-    let is_faceted = surface.scheme() == Scheme::Bilinear || surface.patch_kind() == PatchKind::Pn;
+    // Normals from differences are each face's own, too.
+    let interpolates = [Scheme::Kobbelt, Scheme::Butterfly].contains(&surface.scheme());
+    let is_faceted = surface.scheme() == Scheme::Bilinear
+        || surface.patch_kind() == PatchKind::Pn
+        || interpolates && surface.displacement().is_some();
     let numbers = if is_faceted { 3 } else { 6 };
     let of = |quad: u32| blocks.iter().find(|b| b.quad == quad);
     for h in 0..t.half_count() as u32 {
@@ -595,7 +599,7 @@ fn differing(surface: &Surface, blocks: &[ReadBlock]) -> (usize, usize) {
 }
 
 /// Points that faces share have the same bits; returns how many there are.
-fn assert_shared(surface: &Surface, blocks: &[ReadBlock], what: &str) -> usize {
+pub(crate) fn assert_shared(surface: &Surface, blocks: &[ReadBlock], what: &str) -> usize {
     let (differ, compared) = differing(surface, blocks);
     assert_eq!(differ, 0, "{what}: {differ} of {compared}");
     compared

@@ -53,8 +53,21 @@ fn software_is_refused_unless_allowed() {
     // Said of it is the level that it was drawn at.
     let said = String::from_utf8_lossy(&drawn.stderr);
     assert!(said.contains("levels [2]"), "{said}");
+    // With what is beside the picture.
+    let faces = out.replace("program.png", "program_faces.png");
+    let of_faces = format!("face={faces}");
+    let with = earmark(&[&arguments[..], &["--aov", &of_faces]].concat());
+    let said = String::from_utf8_lossy(&with.stderr);
+    assert_eq!(with.status.code(), Some(0), "{said}");
+    let stats: serde_json::Value = serde_json::from_slice(&with.stdout).unwrap();
+    assert_eq!(stats["bytes_down"], 2 * 4 * 128 * 96);
+    let faces = image::open(faces).unwrap().into_rgb8();
+    assert_eq!(faces.dimensions(), (128, 96));
+    assert!(faces.pixels().any(|p| p.0 != [0; 3]));
     // What it cannot draw it does not draw otherwise.
-    arguments.extend(["--surface", "pn", "--displace-noise", "perlin"]);
+    arguments[1] = "assets/part_creased.obj";
+    arguments.extend(["--scheme", "bilinear", "-l", "0"]);
+    arguments.drain(6..8);
     let refused = earmark(&arguments);
     assert_eq!(refused.status.code(), Some(6));
     let listed = earmark(&["info", "--gpu", "--json"]);
@@ -65,7 +78,7 @@ fn software_is_refused_unless_allowed() {
             .iter()
             .any(|a| a["name"] == gpu.adapter().name.as_str())
     );
-    println!("gpu program: 4 cases");
+    println!("gpu program: 5 cases");
 }
 
 #[test]

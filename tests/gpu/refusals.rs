@@ -2,13 +2,10 @@
 
 use crate::pictures::{check, draw};
 use crate::{asset, gpu, gpu_with, plain, torus, uniform};
-use earmark::displace::{Displacement, Function, Shape};
+use earmark::displace::Displacement;
 use earmark::frame::RenderError;
 use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene};
 use earmark::limits::LimitError;
-use earmark::patch::PatchKind;
-use earmark::scheme::Scheme;
-use earmark::shade::{Relief, SurfaceMaterial};
 use earmark::{Camera, Renderer, Scene, SurfaceOptions};
 
 /// What a scene is refused for.
@@ -33,41 +30,10 @@ fn what_is_not_drawn_is_refused() {
         let said = refused_as(&gpu, renderer, scene);
         assert!(said.contains(what), "{what}: {said}");
     };
-    renderer.aovs = vec![earmark::frame::Aov::Normal];
-    refused(&renderer, &scene, "outputs beside the picture");
-    renderer.aovs = Vec::new();
     let by_rule = Displacement::vector(0.1, |_| [0.1, 0.0, 0.0]);
     let mut ruled = scene.clone();
     ruled.objects[0].surface.set_displacement(Some(by_rule));
     refused(&renderer, &ruled, "rule of the caller's");
-    let patches = SurfaceOptions {
-        patches: PatchKind::Qas,
-        ..SurfaceOptions::default()
-    };
-    let mut patched = asset("creature", patches);
-    patched.default_material = Some(SurfaceMaterial {
-        relief: Some(Relief::Normals(0)),
-        ..SurfaceMaterial::CLAY
-    });
-    refused(&renderer, &patched, "maps on patches");
-    let kobbelt = SurfaceOptions {
-        scheme: Some(Scheme::Kobbelt),
-        ..SurfaceOptions::default()
-    };
-    let mut bumpy = asset("creature", kobbelt);
-    bumpy.default_material = patched.default_material;
-    refused(&renderer, &bumpy, "maps on interpolating surfaces");
-    let noise = || Some(Displacement::function(Function::new(Shape::Perlin)));
-    patched.default_material = None;
-    patched.objects[0].surface.set_displacement(noise());
-    refused(&renderer, &patched, "displaced patches");
-    let butterfly = SurfaceOptions {
-        scheme: Some(Scheme::Butterfly),
-        ..SurfaceOptions::default()
-    };
-    let mut interpolating = asset("octahedron", butterfly);
-    interpolating.objects[0].surface.set_displacement(noise());
-    refused(&renderer, &interpolating, "interpolating surfaces");
     // A vertex of more faces than tables are made for.
     let n = 600_u32;
     let spoke = |k: u32| (k as f32 / (2 * n) as f32 * std::f32::consts::TAU).sin_cos();
@@ -105,7 +71,7 @@ fn what_is_not_drawn_is_refused() {
     };
     let refused = GpuScene::new(&tiny, &uniform(64, 64, 4), &scene, &Camera::default());
     assert!(matches!(refused, Err(GpuError::OutOfMemory { .. })));
-    println!("gpu refusals: 10 cases");
+    println!("gpu refusals: 5 cases");
 }
 
 /// Every kind of memory counts: what is drawn with just as much as it takes is not drawn with a little less.

@@ -13,11 +13,8 @@ fn shows(packed: u32, p: vec2<i32>) -> bool {
     if face.uv_count == 0u || face.material >= arrayLength(&materials) - 1u || materials[face.material].opacity_map == NONE {
         return true;
     }
-    let side_len = (1u << block.log) + 1u;
-    let first = block.base + id.line * side_len + id.col;
-    let at_m = first + select(1u, side_len, id.half == 1u);
-    let at_c = first + side_len + 1u;
-    let w = weights(position(first), position(at_m), position(at_c), id.half, p).w;
-    let uv = (w.x * uvs[first] + w.y * uvs[at_m]) + w.z * uvs[at_c];
-    return sample_opacity(materials[face.material].opacity_map, uv, footprint_at(block.base, side_len, id, w)) >= 0.5;
+    let at = corners_of(block, id);
+    let w = weights(position(at.a), position(at.m), position(at.c), at.half, p).w;
+    let uv = (w.x * uvs[at.a] + w.y * uvs[at.m]) + w.z * uvs[at.c];
+    return sample_opacity(materials[face.material].opacity_map, uv, footprint_at(block, id, at, w)) >= 0.5;
 }

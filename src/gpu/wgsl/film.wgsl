@@ -6,13 +6,10 @@
 @group(0) @binding(2) var<storage, read_write> image: array<u32>;
 
 fn encode(linear: f32) -> u32 {
-    let x = clamp(linear, 0.0, 1.0);
     if frame.srgb == 0u {
-        return u32(x * 255.0 + 0.5);
+        return quantized(linear);
     }
-    let low = x * 12.92;
-    let high = 1.055 * pow(max(x, 1e-6), 1.0 / 2.4) - 0.055;
-    return u32(select(high, low, x <= 0.0031308) * 255.0 + 0.5);
+    return encoded(linear);
 }
 
 @compute @workgroup_size(GROUP)
@@ -28,7 +25,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if over.w > 0.0 {
         let k = select(1.0 / over.w, 1.0, over.w >= 1.0);
         let rgb = over.xyz * k;
-        let alpha = u32(min(over.w, 1.0) * 255.0 + 0.5);
+        let alpha = quantized(over.w);
         bytes = encode(rgb.x) | (encode(rgb.y) << 8u) | (encode(rgb.z) << 16u) | (alpha << 24u);
     }
     image[pixel] = bytes;

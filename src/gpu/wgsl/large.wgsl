@@ -10,6 +10,8 @@
 @group(0) @binding(7) var<storage, read> materials: array<Material>;
 @group(0) @binding(8) var<storage, read> uvs: array<vec2<f32>>;
 @group(0) @binding(9) var<storage, read> textures: array<u32>;
+// Of blocks that are no grids.
+@group(0) @binding(10) var<storage, read> lists: array<u32>;
 
 // Extents, 1/256 pixel, up to which edge values fit 32 bits.
 const NARROW_EXTENT = 16383;
@@ -98,11 +100,20 @@ fn main(
         let entry = large[1u + k];
         let mask = (1u << BLOCK_BITS) - 1u;
         let number = entry >> (2u * BLOCK_BITS);
+        let block = blocks[number];
+        let rank = chunk.first_rank + number;
+        if LISTED && block.list_count > 0u {
+            let pair = entry & ((1u << (2u * BLOCK_BITS)) - 1u);
+            for (var t = 2u * pair; t < min(2u * pair + 2u, block.list_count); t++) {
+                let at = listed(block, t);
+                draw(at.a, at.m, at.c, (rank << (2u * frame.id_bits + 1u)) | t, lane);
+            }
+            continue;
+        }
         let line = (entry >> BLOCK_BITS) & mask;
         let col = entry & mask;
-        let side = (1u << blocks[number].log) + 1u;
-        let at = blocks[number].base + line * side + col;
-        let rank = chunk.first_rank + number;
+        let side = (1u << block.log) + 1u;
+        let at = block.base + line * side + col;
         let id = ((((rank << frame.id_bits) | line) << frame.id_bits) | col) << 1u;
         draw(at, at + 1u, at + side + 1u, id, lane);
         draw(at, at + side, at + side + 1u, id | 1u, lane);

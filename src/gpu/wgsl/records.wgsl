@@ -49,8 +49,9 @@ struct Chunk {
     tangents: u32,
     cut: u32,
     color_width: u32,
+    shaded: u32,
+    differences: u32,
     padding: u32,
-    more_padding: vec2<u32>,
 }
 
 struct Rise {
@@ -73,6 +74,7 @@ struct Rise {
 }
 
 struct Lift {
+    curve: vec4<u32>,
     uv_gather: u32,
     uv_count: u32,
     uv_table: u32,
@@ -82,7 +84,9 @@ struct Lift {
     own_table: u32,
     mitre: u32,
     mitre_count: u32,
-    padding: array<u32, 3>,
+    curved: u32,
+    mitre_curves: u32,
+    padding: u32,
 }
 
 struct Stencil {
@@ -102,6 +106,8 @@ struct Spot {
 struct Face {
     corners: vec4<u32>,
     sides: vec4<u32>,
+    base_corners: vec4<u32>,
+    base_sides: vec4<u32>,
     turns: u32,
     stencil: u32,
     row: u32,
@@ -128,7 +134,9 @@ struct Block {
     moves: u32,
     move_count: u32,
     level: u32,
-    padding: array<u32, 3>,
+    list: u32,
+    list_count: u32,
+    around: u32,
 }
 
 struct Move {
@@ -144,6 +152,24 @@ struct Material {
     opacity_map: u32,
     relief_map: u32,
     bump: f32,
+}
+
+struct Outputs {
+    position_low: vec4<f32>,
+    position_high: vec4<f32>,
+    uv_range: vec4<f32>,
+    order: array<vec4<u32>, 4>,
+    words: u32,
+    depth: u32,
+    normal: u32,
+    position: u32,
+    albedo: u32,
+    uv: u32,
+    face: u32,
+    level: u32,
+    coverage: u32,
+    padding: u32,
+    more_padding: vec2<u32>,
 }
 
 struct Step {

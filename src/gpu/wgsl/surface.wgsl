@@ -59,6 +59,30 @@ fn weights(a: vec3<f32>, m: vec3<f32>, c: vec3<f32>, half: u32, p: vec2<i32>) ->
     return Weights(vec3<f32>(1.0, 0.0, 0.0), side);
 }
 
+// Points of what an id shows, and the half of a micro-quad that says which way round they run.
+struct Corners {
+    a: u32,
+    m: u32,
+    c: u32,
+    half: u32,
+}
+
+// Triangle `k` of a block that is a list: two words, the first points in the halves of the first.
+fn listed(block: Block, k: u32) -> Corners {
+    let at = block.list + 2u * k;
+    let word = lists[at];
+    return Corners(block.base + (word & 0xffffu), block.base + (word >> 16u), block.base + lists[at + 1u], 0u);
+}
+
+fn corners_of(block: Block, id: Id) -> Corners {
+    if LISTED && block.list_count > 0u {
+        return listed(block, (((id.line << frame.id_bits) | id.col) << 1u) | id.half);
+    }
+    let side_len = (1u << block.log) + 1u;
+    let first = block.base + id.line * side_len + id.col;
+    return Corners(first, first + select(1u, side_len, id.half == 1u), first + side_len + 1u, id.half);
+}
+
 // Side of the square in texture coordinates that covers the area of a pixel, from differences along the grid.
 fn footprint(base: u32, side_len: u32, i: u32, j: u32) -> f32 {
     let i0 = base + j * side_len + max(i, 1u) - 1u;
@@ -77,8 +101,33 @@ fn footprint(base: u32, side_len: u32, i: u32, j: u32) -> f32 {
     return sqrt(abs(tu.x * tv.y - tu.y * tv.x) / max(pixels, 1.0 / 256.0));
 }
 
+// The same at a point of a list, from the areas of the triangles around it.
+fn list_footprint(block: Block, at: u32) -> f32 {
+    let own = block.around + at - block.base;
+    var texture = 0.0;
+    var pixels = 0.0;
+    for (var k = lists[own]; k < lists[own + 1u]; k++) {
+        let t = listed(block, lists[block.around + k]);
+        let a = project(position(t.a));
+        let m = project(position(t.m));
+        let c = project(position(t.c));
+        let p = vec2<f32>(f32(m.x - a.x), f32(m.y - a.y)) / 256.0;
+        let q = vec2<f32>(f32(c.x - a.x), f32(c.y - a.y)) / 256.0;
+        let u = uvs[t.m] - uvs[t.a];
+        let v = uvs[t.c] - uvs[t.a];
+        texture += abs(u.x * v.y - u.y * v.x);
+        pixels += abs(p.x * q.y - p.y * q.x);
+    }
+    return sqrt(texture / max(pixels, 1.0 / 256.0));
+}
+
 // The same at a sample, blended from the three corners of its micro-triangle.
-fn footprint_at(base: u32, side_len: u32, id: Id, w: vec3<f32>) -> f32 {
+fn footprint_at(block: Block, id: Id, at: Corners, w: vec3<f32>) -> f32 {
+    if LISTED && block.list_count > 0u {
+        return w.x * list_footprint(block, at.a) + w.y * list_footprint(block, at.m) + w.z * list_footprint(block, at.c);
+    }
+    let side_len = (1u << block.log) + 1u;
+    let base = block.base;
     return w.x * footprint(base, side_len, id.col, id.line)
         + w.y * footprint(base, side_len, id.col + select(1u, 0u, id.half == 1u), id.line + select(0u, 1u, id.half == 1u))
         + w.z * footprint(base, side_len, id.col + 1u, id.line + 1u);

@@ -10,6 +10,8 @@
 @group(0) @binding(7) var<storage, read> materials: array<Material>;
 @group(0) @binding(8) var<storage, read> uvs: array<vec2<f32>>;
 @group(0) @binding(9) var<storage, read> textures: array<u32>;
+// Of blocks that are no grids.
+@group(0) @binding(10) var<storage, read> lists: array<u32>;
 // Their number, then a quad each: block of the chunk, row and column.
 @group(0) @binding(5) var<storage, read_write> large: array<atomic<u32>>;
 
@@ -62,6 +64,51 @@ fn triangle(a: Vertex, m: Vertex, c: Vertex, id: u32) {
     }
 }
 
+// Leaves a micro-quad, or two triangles of a list, to `large`.
+fn keep_large(number: u32, quad: u32) {
+    // There is room for all.
+    if chunk.phase == 0u {
+        let slot = atomicAdd(&large[0], 1u);
+        if slot < chunk.large {
+            atomicStore(&large[1u + slot], (number << (2u * BLOCK_BITS)) | quad);
+        }
+    }
+}
+
+// Where low and high corners of what is not clipped are.
+fn is_beside(low: vec2<i32>, high: vec2<i32>) -> bool {
+    return high.x < 0 || low.x >= i32(frame.width) * 256 || high.y < i32(frame.band_start) * 256 || low.y >= i32(frame.band_end) * 256;
+}
+
+// A block that is a list of triangles, two by two.
+fn draw_list(number: u32, lane: u32) {
+    let block = blocks[number];
+    for (var pair = lane; 2u * pair < block.list_count; pair += GROUP) {
+        let end = min(2u * pair + 2u, block.list_count);
+        var is_large = false;
+        for (var k = 2u * pair; k < end; k++) {
+            let at = listed(block, k);
+            let a = screen[at.a - block.base];
+            let m = screen[at.m - block.base];
+            let c = screen[at.c - block.base];
+            let low = min(vec2<i32>(a.x, a.y), min(vec2<i32>(m.x, m.y), vec2<i32>(c.x, c.y)));
+            let high = max(vec2<i32>(a.x, a.y), max(vec2<i32>(m.x, m.y), vec2<i32>(c.x, c.y)));
+            let clipped = a.depth == 0.0 || m.depth == 0.0 || c.depth == 0.0;
+            let beside = !clipped && is_beside(low, high);
+            is_large |= !beside && (clipped || max(high.x - low.x, high.y - low.y) > SMALL_EXTENT);
+        }
+        if is_large {
+            keep_large(number, pair);
+            continue;
+        }
+        for (var k = 2u * pair; k < end; k++) {
+            let at = listed(block, k);
+            let id = ((chunk.first_rank + number) << (2u * frame.id_bits + 1u)) | k;
+            triangle(screen[at.a - block.base], screen[at.m - block.base], screen[at.c - block.base], id);
+        }
+    }
+}
+
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let number = own_group(group);
@@ -77,9 +124,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         screen[at] = project(vec3<f32>(points[k], points[k + 1u], points[k + 2u]));
     }
     workgroupBarrier();
-    let right = i32(frame.width) * 256;
-    let top = i32(frame.band_start) * 256;
-    let bottom = i32(frame.band_end) * 256;
+    if LISTED && blocks[number].list_count > 0u {
+        draw_list(number, lane);
+        return;
+    }
     for (var q = lane; q < n * n; q += GROUP) {
         let col = q & (n - 1u);
         let line = q >> log;
@@ -91,17 +139,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let low = min(min(vec2<i32>(a.x, a.y), vec2<i32>(b.x, b.y)), min(vec2<i32>(c.x, c.y), vec2<i32>(d.x, d.y)));
         let high = max(max(vec2<i32>(a.x, a.y), vec2<i32>(b.x, b.y)), max(vec2<i32>(c.x, c.y), vec2<i32>(d.x, d.y)));
         let clipped = a.depth == 0.0 || b.depth == 0.0 || c.depth == 0.0 || d.depth == 0.0;
-        if !clipped && (high.x < 0 || low.x >= right || high.y < top || low.y >= bottom) {
+        if !clipped && is_beside(low, high) {
             continue;
         }
         if clipped || max(high.x - low.x, high.y - low.y) > SMALL_EXTENT {
-            // There is room for all quads.
-            if chunk.phase == 0u {
-                let slot = atomicAdd(&large[0], 1u);
-                if slot < chunk.large {
-                    atomicStore(&large[1u + slot], (((number << BLOCK_BITS) | line) << BLOCK_BITS) | col);
-                }
-            }
+            keep_large(number, (line << BLOCK_BITS) | col);
             continue;
         }
         let rank = chunk.first_rank + number;

@@ -72,7 +72,7 @@ impl DisplacedPatch {
         );
         layout.unpack(&work.points, points);
         if wants_normals {
-            self.normals(surface, &on, (part, layout), &mut work);
+            self.normals(surface, &on, (part, layout), uvs, &mut work);
             layout.unpack(&work.moved, normals);
         }
         self.work = Some(work);
@@ -84,14 +84,19 @@ impl DisplacedPatch {
         surface: &Surface,
         on: &Displaced,
         (part, layout): (Part, Layout),
+        own_uvs: Option<&Grid3>,
         work: &mut Work,
     ) {
         let displacement = &on.displacement;
+        // Differences are those of the face's own coordinates, whatever its sides took from their owners at seams.
+        if let Some(uvs) = own_uvs {
+            layout.pack(uvs, &mut work.moved);
+        }
         self.derivatives(
             surface,
             (part, layout),
             &work.limits,
-            &work.uvs,
+            &work.moved,
             &mut work.rows,
         );
         let Work {

@@ -37,7 +37,8 @@ impl DisplacedPatch {
             if !self.has_uvs {
                 continue;
             }
-            if surface.has_linear_uvs() {
+            // Differences are those of steps, and so of points and coordinates alike.
+            if surface.has_linear_uvs() && surface.tables.is_none() {
                 let corners = surface.linear_corners(self.face).unwrap_or_default();
                 linear_rows(&corners, self.triangle, row, (by, at));
             } else {
