@@ -14,6 +14,8 @@ use super::timer;
 use super::upload::DeviceChunk;
 use super::wgsl::GROUP;
 use crate::camera::View;
+use crate::frame::Aov;
+use crate::shade::ShadeMode;
 
 impl GpuScene<'_> {
     /// Chunks whose blocks are decided here, with the numbers of their counts.
@@ -40,8 +42,13 @@ impl GpuScene<'_> {
             let bytes = read(gpu, self.bands.staging())?;
             Ok(self
                 .counts(&bytes)
-                .all(|c| c.fits() && !c.falls_short(self.drawn.mode)))
+                .all(|c| c.fits() && !c.falls_short(self.shows_levels())))
         })
+    }
+
+    /// Whether levels are to be seen, in the picture or beside it.
+    fn shows_levels(&self) -> bool {
+        self.drawn.mode == ShadeMode::Level || self.bands.outputs().wants(Aov::Level)
     }
 
     pub(super) fn copy_counts(&self, encoder: &mut wgpu::CommandEncoder) {
@@ -121,7 +128,7 @@ impl GpuScene<'_> {
             *level = counts.deepest;
             stats.microtriangles += counts.triangles;
             stats.coarse += u64::from(counts.coarse);
-            stats.falls_short |= counts.falls_short(self.drawn.mode);
+            stats.falls_short |= counts.falls_short(self.shows_levels());
             stats.decides = true;
         }
         Ok(())

@@ -22,6 +22,10 @@ impl Outputs {
         Self { wanted }
     }
 
+    pub(super) fn wants(&self, aov: Aov) -> bool {
+        self.wanted.wants(aov)
+    }
+
     /// Words of a pixel; none where only the picture is wanted.
     pub(super) fn words(&self) -> u32 {
         self.wanted.aovs.iter().copied().map(words_of).sum()

@@ -290,7 +290,7 @@ fn list_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         let n = 1u << log;
         let start = (node_place(node) << vec2<u32>(log)) << vec2<u32>(up);
         let count = rim(node, next.z, true);
-        blocks[next.x] = Block(face, start.x, start.y, 1u << up, log, room.spots + next.y, next.z, count, node_level(node) + split_once, array<u32, 3>(0u, 0u, 0u));
+        blocks[next.x] = Block(face, start.x, start.y, 1u << up, log, room.spots + next.y, next.z, count, node_level(node) + split_once, 0u, 0u, 0u);
         next += vec4<u32>(1u, (n + 1u) * (n + 1u), count, n * n);
     }
 }

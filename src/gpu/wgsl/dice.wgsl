@@ -47,8 +47,6 @@ fn copy(from_at: u32, to: u32) {
     }
 }
 
-}
-
 fn uv_at(gather: u32, count: u32, table: u32, stride: u32, place: u32) -> UvJet {
     var out = UvJet(vec2<f32>(0.0), vec2<f32>(0.0), vec2<f32>(0.0));
     for (var k = 0u; k < count; k++) {
