@@ -123,7 +123,13 @@ mod with {
     #[derive(Default)]
     pub(in crate::cli) struct Kept {
         last: Option<(String, GpuScene<'static>)>,
+        /// Scenes since the device was last asked to decide on blocks.
+        since: u32,
     }
+
+    /// As many scenes have their blocks from the processor before the device is asked again.
+    #[cfg(feature = "window")]
+    const PATIENCE: u32 = 16;
 
     #[cfg(feature = "window")]
     fn device(picture: &PictureFlags) -> Result<&'static Gpu, Failure> {
@@ -166,9 +172,21 @@ mod with {
             _ => false,
         };
         if !serves {
-            // Its memory first.
-            kept.last = None;
-            let ready = GpuScene::for_view(device(picture)?, renderer, scene, view)?;
+            // Views near the last one ask for as much. Its memory first.
+            let again = kept
+                .last
+                .take()
+                .is_some_and(|(by, last)| by == made_by && !last.decides());
+            kept.since = if again {
+                (kept.since + 1) % PATIENCE
+            } else {
+                0
+            };
+            let make = match kept.since {
+                0 => GpuScene::for_view,
+                _ => GpuScene::decided_by_processor,
+            };
+            let ready = make(device(picture)?, renderer, scene, view)?;
             kept.last = Some((made_by, ready));
         }
         let Some((_, ready)) = &mut kept.last else {

@@ -25,13 +25,17 @@ pub(super) fn footprints(
         let (j0, j1) = step(j, size.rows);
         for i in 0..size.cols {
             let (i0, i1) = step(i, size.cols);
+            // A triangle repeats its last corner: the row beside tells then.
+            let point = |j: usize| (block.position(i0, j), uvs.get(i0, j));
+            let is_short = (block.position(i1, j), uvs.get(i1, j)) == point(j);
+            let row = if is_short { j0 + j1 - j } else { j };
             let screen = |a: [i32; 2], b: [i32; 2]| {
                 [(b[0] - a[0]) as f32 / 256.0, (b[1] - a[1]) as f32 / 256.0]
             };
-            let su = screen(block.position(i0, j), block.position(i1, j));
+            let su = screen(block.position(i0, row), block.position(i1, row));
             let sv = screen(block.position(i, j0), block.position(i, j1));
             let uv = |a: [f32; 3], b: [f32; 3]| [b[0] - a[0], b[1] - a[1]];
-            let tu = uv(uvs.get(i0, j), uvs.get(i1, j));
+            let tu = uv(uvs.get(i0, row), uvs.get(i1, row));
             let tv = uv(uvs.get(i, j0), uvs.get(i, j1));
             let pixels = (su[0] * sv[1] - su[1] * sv[0]).abs();
             let texture = (tu[0] * tv[1] - tu[1] * tv[0]).abs();

@@ -85,7 +85,7 @@ impl Renderer {
         Ok((levels, found))
     }
 
-    /// The flatness of every object, by levels of its quads, if each is cut adaptively and is a smooth Catmull-Clark surface as it is: what
+    /// The flatness of every object, by levels of its quads, if each has any faces, is cut adaptively and is a smooth Catmull-Clark surface as it is: what
     /// other backends decide on their own.
     #[cfg(feature = "gpu")]
     pub(crate) fn flatness(&self, scene: &Scene) -> Option<Vec<Flatness>> {
@@ -94,7 +94,8 @@ impl Renderer {
         }
         let of = |object: &Object| {
             let surface = &object.surface;
-            let is_plain = surface.scheme() == Scheme::CatmullClark
+            let is_plain = surface.cage().face_count() > 0
+                && surface.scheme() == Scheme::CatmullClark
                 && surface.patch_kind() == PatchKind::None
                 && surface.displacement().is_none();
             match self.refinement.of(surface) {

@@ -188,8 +188,9 @@ impl Builder {
     fn close(&mut self) {
         let room = self.data.deciding.as_ref().map_or(0, |d| d.room.blocks);
         let next = self.data.first_rank + self.data.blocks.len() as u32 + room;
-        if !self.data.blocks.is_empty() || room > 0 {
-            self.done.push(std::mem::take(&mut self.data));
+        let data = std::mem::take(&mut self.data);
+        if !data.blocks.is_empty() || room > 0 {
+            self.done.push(data);
         }
         self.data.first_rank = next;
         self.there = There::default();

@@ -14,8 +14,6 @@ use super::timer;
 use super::upload::DeviceChunk;
 use super::wgsl::GROUP;
 use crate::camera::View;
-use crate::frame::Aov;
-use crate::shade::ShadeMode;
 
 impl GpuScene<'_> {
     /// Chunks whose blocks are decided here, with the numbers of their counts.
@@ -23,7 +21,10 @@ impl GpuScene<'_> {
         (0..).zip(self.chunks.iter().filter_map(|c| c.flatness.as_ref()))
     }
 
-    pub(super) fn decides(&self) -> bool {
+    /// Whether the device decides on blocks, whatever the view.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn decides(&self) -> bool {
         self.deciding().next().is_some()
     }
 
@@ -39,16 +40,10 @@ impl GpuScene<'_> {
             self.encode_flatness(&mut encoder, &view, &mut before)?;
             self.copy_counts(&mut encoder);
             gpu.queue().submit([encoder.finish()]);
-            let bytes = read(gpu, self.bands.staging())?;
-            Ok(self
-                .counts(&bytes)
-                .all(|c| c.fits() && !c.falls_short(self.shows_levels())))
+            let bytes = read(gpu, self.bands.staging(), self.bands.down()[1]..)?;
+            let all = |c: Counts| c.fits() && !c.falls_short(self.drawn.mode);
+            Ok(self.counts(&bytes).all(all))
         })
-    }
-
-    /// Whether levels are to be seen, in the picture or beside it.
-    fn shows_levels(&self) -> bool {
-        self.drawn.mode == ShadeMode::Level || self.bands.outputs().wants(Aov::Level)
     }
 
     pub(super) fn copy_counts(&self, encoder: &mut wgpu::CommandEncoder) {
@@ -58,10 +53,10 @@ impl GpuScene<'_> {
         }
     }
 
-    /// What came down behind a picture.
-    pub(super) fn counts<'b>(&'b self, bytes: &'b [u8]) -> impl Iterator<Item = Counts> + 'b {
+    /// What came down behind a picture and what is beside it.
+    fn counts<'b>(&'b self, bytes: &'b [u8]) -> impl Iterator<Item = Counts> + 'b {
         self.deciding().map(move |(k, flatness)| {
-            let at = self.bands.down()[1] + k * COUNT_BYTES;
+            let at = k * COUNT_BYTES;
             flatness.counts(bytes.get(at as usize..).unwrap_or_default())
         })
     }
@@ -128,8 +123,11 @@ impl GpuScene<'_> {
             *level = counts.deepest;
             stats.microtriangles += counts.triangles;
             stats.coarse += u64::from(counts.coarse);
-            stats.falls_short |= counts.falls_short(self.shows_levels());
+            stats.falls_short |= counts.falls_short(self.drawn.mode);
             stats.decides = true;
+        }
+        if stats.decides {
+            self.limits.faces(u128::from(stats.microtriangles) / 2)?;
         }
         Ok(())
     }

@@ -15,6 +15,7 @@ use crate::limits::Budget;
 use crate::records::ScreenSize;
 use crate::surface::{QuadPatch, Spline, Surface};
 use crate::tessellate::Flatness;
+use crate::tessellate::blocks::runs_back;
 use crate::topology::NONE;
 
 /// Level of all of its places: that of the deepest blocks that the device decides on.
@@ -22,6 +23,12 @@ pub(super) const REACH: u32 = BLOCK_BITS;
 
 /// Most blocks of a face: of the smallest, three depths below it.
 const MOST_BLOCKS: u64 = 64;
+
+/// Points of such a block.
+const BLOCK_POINTS: u64 = ((1 << (REACH - 3)) + 1) * ((1 << (REACH - 3)) + 1);
+
+/// Bytes that a face takes beside its weights, roughly.
+const FACE_BYTES: u128 = 512;
 
 /// What the faces of a chunk are decided by.
 #[derive(Clone, Debug)]
@@ -120,8 +127,7 @@ fn room(size: ScreenSize, faces: u64, edges: u64, spots: u64, limit: u64) -> Roo
     let pixels = u64::from(size.width) * u64::from(size.height);
     let fit = |count: u64, bytes: usize| count.min(limit / bytes as u64) as u32;
     // All that the deepest blocks of all faces take, if that is little; else what pictures ask for, and as much again.
-    let side = u64::from(1_u32 << (REACH - 3)) + 1;
-    let points = (MOST_BLOCKS * side * side * faces).min(64 * faces + 4 * pixels + (1 << 20));
+    let points = (MOST_BLOCKS * BLOCK_POINTS * faces).min(64 * faces + 4 * pixels + (1 << 20));
     let points = points.min((limit / point_bytes).saturating_sub(spots));
     let moves = (16 * MOST_BLOCKS * faces).min(32 * faces + 8 * edges + (1 << 16));
     Room {
@@ -164,13 +170,15 @@ impl Builder {
             + (dicer.color_tables.iter().map(Table::bytes).sum::<u64>());
         // Both sides of an edge may have spots of their own.
         let spots = (2 * edges as u64) << REACH;
-        if weights.max(spots * Spot::SIZE as u64) > self.limit {
+        // Sums of what faces ask for are of 32 bits.
+        let sums = MOST_BLOCKS * BLOCK_POINTS * faces as u64;
+        if weights.max(spots * Spot::SIZE as u64) > self.limit || sums > u32::MAX.into() {
             return Err(TOO_LARGE);
         }
         let spot_bytes = u128::from(spots) * Spot::SIZE as u128;
         budget.take(
             "the chunks of the GPU backend",
-            u128::from(weights) + spot_bytes,
+            u128::from(weights) + spot_bytes + FACE_BYTES * faces as u128,
             0,
         )?;
         self.data.shown = Some(dicer.shown);
@@ -180,6 +188,9 @@ impl Builder {
         let mut patch = QuadPatch::default();
         let split = u32::from(surface.is_split());
         for q in 0..faces as u32 {
+            if q % 1024 == 0 {
+                budget.limits().check()?;
+            }
             let face = self.face(dicer, q, REACH)?;
             self.data.faces.push(face);
             patch.prepare_points(surface, q, 1, None, Sides::Hull);
@@ -203,7 +214,7 @@ impl Builder {
             }
             let mut sides = [0; 4];
             for (side, h) in sides.iter_mut().zip(whole.face_halves(q)) {
-                *side = 2 * whole.edge(h) + u32::from(runs_back(dicer, h));
+                *side = 2 * whole.edge(h) + u32::from(runs_back(whole, h));
             }
             patches.push(Patch {
                 edges: sides,
@@ -224,7 +235,7 @@ impl Builder {
             if twin != NONE {
                 edge.second = whole.face_of(twin);
                 edge.marks |= (twin % 4) << 2;
-                edge.marks |= if runs_back(dicer, twin) { EDGE_BACK } else { 0 };
+                edge.marks |= if runs_back(whole, twin) { EDGE_BACK } else { 0 };
             }
             edge
         };
@@ -285,10 +296,4 @@ impl Builder {
         });
         Ok(first)
     }
-}
-
-/// Whether a half-edge runs against its edge's first one.
-fn runs_back(dicer: &Dicer<'_>, h: u32) -> bool {
-    let whole = dicer.surface.whole_quads();
-    whole.vertex(whole.edge_half(whole.edge(h))) != whole.vertex(h)
 }

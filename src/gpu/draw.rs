@@ -18,8 +18,8 @@ use super::view::{Drawn, frame_record};
 use super::wgsl::{STILL, Variant};
 use crate::camera::{Camera, View};
 use crate::film::{Film, Image};
-use crate::frame::{Renderer, Scene};
-use crate::limits::Budget;
+use crate::frame::{Aov, Renderer, Scene};
+use crate::limits::{Budget, Limits};
 use std::time::{Duration, Instant};
 
 /// A scene whose cage, tables and blocks are on a device. Between pictures its points may move and the view change. Blocks that the device
@@ -39,6 +39,8 @@ pub struct GpuScene<'a> {
     /// The view that blocks are decided by, whatever is drawn, and the one that they were.
     pub(super) decided_by: Option<View>,
     pub(super) decided_for: Option<View>,
+    /// Most micro-faces of a picture.
+    pub(super) limits: Limits,
     pub(super) chunks: Vec<DeviceChunk>,
     pub(super) bands: Bands,
     pub(super) timer: Option<Timer>,
@@ -212,6 +214,10 @@ impl<'a> GpuScene<'a> {
             diced: false,
             decided_by: None,
             decided_for: None,
+            limits: Limits {
+                max_faces: budget.limits().max_faces,
+                ..Limits::default()
+            },
             stats,
             chunks: made,
             bands,
@@ -235,7 +241,8 @@ impl<'a> GpuScene<'a> {
     }
 
     /// Whether it draws through `view` what one would draw that is made for it, of the same scene by a renderer with the same settings:
-    /// whether blocks are not decided by the view that it was made for, and levels are the same.
+    /// whether blocks are not decided by the view that it was made for, and levels are the same. A picture of blocks that the device decides on
+    /// may fall short all the same ([`GpuScene::draw_view`]).
     ///
     /// # Errors
     /// [`GpuError::Render`]: a level or a view that there is not.
@@ -259,11 +266,17 @@ impl<'a> GpuScene<'a> {
     /// Moves the control points of all objects, one after the other in the order of the scene; they go up with the next picture.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] where there are not as many as before, or some of PN triangles are not finite.
+    /// [`GpuError::Unsupported`] where there are not as many as before, some of PN triangles are not finite, or positions are written beside the
+    /// picture, whose range is that of the points before.
     pub fn move_points(&mut self, points: &[[f32; 3]]) -> Result<(), GpuError> {
         if points.len() != self.control_points.len() {
             return Err(GpuError::Unsupported {
                 what: "another number of points than the scene was made with",
+            });
+        }
+        if self.bands.outputs().wants(Aov::Position) {
+            return Err(GpuError::Unsupported {
+                what: "positions beside the picture of points that moved",
             });
         }
         self.further.follow(points)?;
@@ -275,16 +288,17 @@ impl<'a> GpuScene<'a> {
     /// Draws what it was made for.
     ///
     /// # Errors
-    /// [`GpuError`] of the device.
+    /// As [`GpuScene::draw_view`].
     pub fn draw(&mut self) -> Result<GpuFrame, GpuError> {
         let view = self.view;
         self.draw_view(&view)
     }
 
-    /// Draws through another view of the same size.
+    /// Draws through another view of the same size. Where the device decides on blocks, [`GpuStats::falls_short`] says whether they are coarser
+    /// than asked for.
     ///
     /// # Errors
-    /// [`GpuError`] of the device.
+    /// [`GpuError`] of the device; [`GpuError::OutOfMemory`] also where a view asks for more blocks than there is room for.
     pub fn draw_view(&mut self, view: &View) -> Result<GpuFrame, GpuError> {
         if view.size != self.drawn.size {
             return Err(GpuError::Unsupported {
@@ -292,7 +306,12 @@ impl<'a> GpuScene<'a> {
             });
         }
         let gpu = self.gpu;
-        gpu.caught(|| self.drawn_from(view))
+        let drawn = gpu.caught(|| self.drawn_from(view));
+        if drawn.is_err() {
+            // Nobody knows what was done of it.
+            (self.moved, self.sided, self.decided_for) = (true, false, None);
+        }
+        drawn
     }
 
     fn drawn_from(&mut self, view: &View) -> Result<GpuFrame, GpuError> {
@@ -333,12 +352,12 @@ impl<'a> GpuScene<'a> {
             timer.resolve(&mut encoder, timed);
         }
         queue.submit([encoder.finish()]);
-        let bytes = read(self.gpu, self.bands.staging())?;
+        let bytes = read(self.gpu, self.bands.staging(), ..)?;
         stats.wall = begin.elapsed();
         if let Some(timer) = &self.timer {
             stats.stages = self.by_stage(&timer.read(self.gpu, timed)?, &before);
         }
-        self.count(&bytes, &mut stats)?;
+        self.count(&bytes[down as usize..], &mut stats)?;
         let mut image = Image::new(self.drawn.size.width, self.drawn.size.height);
         // Buffers are a little longer.
         let (pixels, codes) = bytes[..down as usize].split_at(picture as usize);

@@ -13,6 +13,7 @@ use super::records::{Block, Metric, Move, Record, words};
 use super::upload::uniform;
 use super::wgsl::{self, GROUP, NODE_WORDS};
 use crate::camera::View;
+use crate::shade::ShadeMode;
 use crate::tessellate::Flatness;
 use crate::tessellate::flatness::Numbers;
 use wgpu::BufferUsages as Usage;
@@ -101,8 +102,8 @@ pub(super) struct Counts {
 
 impl Counts {
     /// Whether that is more than can be left out of a picture; of one that shows levels, nothing can.
-    pub(super) fn falls_short(&self, shows_levels: bool) -> bool {
-        self.missing as f32 > 1000.0 * SHORT || self.coarse > 0 && shows_levels
+    pub(super) fn falls_short(&self, mode: ShadeMode) -> bool {
+        self.missing as f32 > 1000.0 * SHORT || self.coarse > 0 && mode == ShadeMode::Level
     }
 
     /// Whether there was room for all that the view asks for.

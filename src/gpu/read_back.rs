@@ -3,6 +3,7 @@
 use super::device::Gpu;
 use super::error::GpuError;
 use super::records::POINT_FLOATS;
+use std::ops::RangeBounds;
 use wgpu::BufferUsages as Usage;
 
 /// A block as it stands on the device, for tests.
@@ -19,13 +20,28 @@ pub struct ReadBlock {
     pub points: Vec<[f32; POINT_FLOATS as usize]>,
 }
 
-/// Waits for a buffer that can be mapped and returns what is in it.
-pub(super) fn read(gpu: &Gpu, staging: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
+/// Waits for a buffer that can be mapped and returns a part of it.
+pub(super) fn read(
+    gpu: &Gpu,
+    staging: &wgpu::Buffer,
+    part: impl RangeBounds<u64> + Clone,
+) -> Result<Vec<u8>, GpuError> {
+    let bytes = mapped(gpu, staging, part);
+    // Else nothing could be copied there any more.
+    staging.unmap();
+    bytes
+}
+
+fn mapped(
+    gpu: &Gpu,
+    staging: &wgpu::Buffer,
+    part: impl RangeBounds<u64> + Clone,
+) -> Result<Vec<u8>, GpuError> {
     let lost = || GpuError::Device {
         reason: "the picture cannot be read back".to_owned(),
     };
     let (told, mapped) = std::sync::mpsc::channel();
-    staging.map_async(wgpu::MapMode::Read, .., move |result| {
+    staging.map_async(wgpu::MapMode::Read, part.clone(), move |result| {
         // Whoever waited may be gone.
         let _ = told.send(result.is_ok());
     });
@@ -34,8 +50,7 @@ pub(super) fn read(gpu: &Gpu, staging: &wgpu::Buffer) -> Result<Vec<u8>, GpuErro
         gpu.check()?;
         return Err(lost());
     }
-    let bytes = staging.get_mapped_range(..).map_err(|_| lost())?.to_vec();
-    staging.unmap();
+    let bytes = staging.get_mapped_range(part).map_err(|_| lost())?.to_vec();
     Ok(bytes)
 }
 
@@ -51,7 +66,7 @@ pub(super) fn read_floats(
         .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
     gpu.queue().submit([encoder.finish()]);
-    let found = read(gpu, &staging)?;
+    let found = read(gpu, &staging, ..)?;
     // Buffers are a little longer.
     let floats = found[..bytes as usize].as_chunks::<4>().0.iter();
     Ok(floats.map(|b| f32::from_le_bytes(*b)).collect())

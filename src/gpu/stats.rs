@@ -37,7 +37,7 @@ pub struct GpuStats {
     pub scene_bytes: u64,
     /// Shapes of surroundings with a table of weights each.
     pub shapes: u32,
-    /// Time on the device by stage, of all bands together; `dice` only where points moved. Empty unless asked for, or where the device
+    /// Time on the device by stage, of all bands together; `flatness` and `dice` only for views and points that are new. Empty unless asked for, or where the device
     /// keeps no time or not as many times as there are bands.
     pub stages: Vec<(&'static str, Duration)>,
     /// Wall time from the first byte up to the last one down.

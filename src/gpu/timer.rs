@@ -65,7 +65,7 @@ impl Timer {
 
     /// Times of the first `stages`, once the device is done.
     pub(super) fn read(&self, gpu: &Gpu, stages: u32) -> Result<Vec<Duration>, GpuError> {
-        let bytes = read(gpu, &self.staging)?;
+        let bytes = read(gpu, &self.staging, ..)?;
         let period = f64::from(gpu.queue().get_timestamp_period());
         let ticks: Vec<u64> = bytes
             .as_chunks::<8>()

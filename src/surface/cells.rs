@@ -146,8 +146,9 @@ impl PolygonBlocks {
         });
         let parts: Vec<Self> = chunks.collect();
         let mut all = Self::default();
-        all.cells
-            .reserve_exact(parts.iter().map(|part| part.cells.len()).sum());
+        let sum = |of: fn(&Self) -> usize| parts.iter().map(of).sum();
+        all.cells.reserve_exact(sum(|part| part.cells.len()));
+        all.blocks.reserve_exact(sum(|part| part.blocks.len()));
         for part in parts {
             let first = all.cells.len() as u32;
             let moved = |b: &PolygonBlock| PolygonBlock {
@@ -160,10 +161,10 @@ impl PolygonBlocks {
         all
     }
 
-    /// Bytes that making the blocks of a cage takes at most, where they have many cells: those of all chunks, and of all together.
+    /// Bytes that making the blocks of a cage takes at most: those of all chunks, and of all together.
     pub(crate) fn making(cage: &Cage) -> u128 {
         let polygons = (cage.corner_vertices.len()).saturating_sub(2 * cage.face_count());
-        2 * polygons as u128 * size_of::<Cell>() as u128
+        2 * polygons as u128 * (size_of::<Cell>() + size_of::<PolygonBlock>()) as u128
     }
 
     /// Bytes that it takes.

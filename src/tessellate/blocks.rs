@@ -133,7 +133,7 @@ fn face_blocks(
 }
 
 /// Whether half-edge `h` runs against its edge's first one.
-pub(super) fn runs_back(quads: &Topology, h: u32) -> bool {
+pub(crate) fn runs_back(quads: &Topology, h: u32) -> bool {
     let first = quads.edge_half(quads.edge(h));
     quads.vertex(first) != quads.vertex(h)
 }

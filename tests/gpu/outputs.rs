@@ -4,7 +4,7 @@ use crate::pictures::draw;
 use crate::{asset, colored, displaced, gpu, gpu_with, plain, uniform};
 use earmark::film::Image;
 use earmark::frame::{Aov, Drawing, Plane, Refinement};
-use earmark::gpu::{DeviceOptions, Gpu, GpuFrame, GpuScene};
+use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuFrame, GpuScene};
 use earmark::scheme::Scheme;
 use earmark::shade::Relief;
 use earmark::texture::{Meaning, Texture};
@@ -18,8 +18,10 @@ fn all() -> Vec<Aov> {
     Aov::ALL.into_iter().rev().collect()
 }
 
+/// Of the processor's blocks, so that there is something to compare with.
 fn outputs(gpu: &Gpu, renderer: &Renderer, scene: &Scene, camera: &Camera) -> GpuFrame {
-    let mut ready = GpuScene::new(gpu, renderer, scene, camera).unwrap();
+    let view = renderer.view(scene, camera).unwrap();
+    let mut ready = GpuScene::decided_by_processor(gpu, renderer, scene, view).unwrap();
     ready.draw().unwrap()
 }
 
@@ -212,12 +214,12 @@ fn outputs_are_the_processors() {
             let mut renderer = Renderer::new(200, 150);
             (renderer.refinement, renderer.drawing) = (refinement, drawing);
             renderer.size.samples = samples;
-            let alone = draw(&gpu, &renderer, scene, &camera);
+            let alone = outputs(&gpu, &renderer, scene, &camera);
             renderer.aovs = all();
             let want = renderer.render(scene, &camera).unwrap();
             let got = outputs(&gpu, &renderer, scene, &camera);
             check(&format!("{what}_{samples}"), &got, &want.planes);
-            assert_eq!(got.image.data, alone.data, "{what}: another picture");
+            assert_eq!(got.image.data, alone.image.data, "{what}: another picture");
             let pixels = 200 * 150;
             assert_eq!(got.stats.bytes_down, 4 * (1 + ALL_WORDS) * pixels);
             assert_eq!(got.stats.read_backs, 1);
@@ -225,6 +227,29 @@ fn outputs_are_the_processors() {
         }
     }
     println!("gpu outputs: {run} cases");
+}
+
+#[test]
+fn outputs_beside_blocks_of_the_device_change_no_pixel() {
+    let Some(gpu) = gpu("outputs of blocks of the device") else {
+        return;
+    };
+    let scene = plain(asset("torus", SurfaceOptions::default()));
+    let camera = Camera::default();
+    let mut renderer = Renderer::new(200, 150);
+    let mut alone = GpuScene::new(&gpu, &renderer, &scene, &camera).unwrap();
+    assert!(alone.decides());
+    let alone = alone.draw().unwrap();
+    renderer.aovs = all();
+    let mut both = GpuScene::new(&gpu, &renderer, &scene, &camera).unwrap();
+    let got = both.draw().unwrap();
+    assert_eq!(got.image.data, alone.image.data);
+    let beside = 4 * ALL_WORDS * 200 * 150;
+    assert_eq!(got.stats.bytes_down, alone.stats.bytes_down + beside);
+    // The range of positions is that of the points before.
+    let points: Vec<[f32; 3]> = scene.objects[0].surface.control_base().to_vec();
+    let moved = both.move_points(&points);
+    assert!(matches!(moved, Err(GpuError::Unsupported { .. })));
 }
 
 #[test]

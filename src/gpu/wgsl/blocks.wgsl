@@ -13,7 +13,6 @@
 
 // Squares of the finest depth along a side, and how many levels finer the grid of places is.
 const CELL_SIDE = 8u;
-const CELL_BITS = 3u;
 
 // The face's tree: node by node, and of every cell the leaf that it lies in.
 var<private> tree: array<u32, 85>;

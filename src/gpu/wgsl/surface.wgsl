@@ -85,12 +85,21 @@ fn corners_of(block: Block, id: Id) -> Corners {
 
 // Side of the square in texture coordinates that covers the area of a pixel, from differences along the grid.
 fn footprint(base: u32, side_len: u32, i: u32, j: u32) -> f32 {
-    let i0 = base + j * side_len + max(i, 1u) - 1u;
-    let i1 = base + j * side_len + min(i + 1u, side_len - 1u);
-    let j0 = base + (max(j, 1u) - 1u) * side_len + i;
-    let j1 = base + min(j + 1u, side_len - 1u) * side_len + i;
-    let a = project(position(i0));
-    let b = project(position(i1));
+    var i0 = base + j * side_len + max(i, 1u) - 1u;
+    var i1 = base + j * side_len + min(i + 1u, side_len - 1u);
+    let above = max(j, 1u) - 1u;
+    let below = min(j + 1u, side_len - 1u);
+    let j0 = base + above * side_len + i;
+    let j1 = base + below * side_len + i;
+    var a = project(position(i0));
+    var b = project(position(i1));
+    if a.x == b.x && a.y == b.y && all(uvs[i0] == uvs[i1]) {
+        // A triangle repeats its last corner: the row beside tells then.
+        i0 = i0 + (above + below) * side_len - 2u * j * side_len;
+        i1 = i1 + (above + below) * side_len - 2u * j * side_len;
+        a = project(position(i0));
+        b = project(position(i1));
+    }
     let c = project(position(j0));
     let d = project(position(j1));
     let su = vec2<f32>(f32(b.x - a.x), f32(b.y - a.y)) / 256.0;

@@ -57,11 +57,3 @@ fn below(depth: u32, place: u32, d: u32) -> u32 {
     let count = 1u << (d - depth);
     return ((1u << count) - 1u) << ((1u << d) + (place << (d - depth)));
 }
-
-// Levels of points along an edge of these splits: nodes are numbered as in src/tessellate/tree.rs, a bit each.
-fn tree_depth(splits: u32) -> u32 {
-    if splits == 0u {
-        return 0u;
-    }
-    return firstLeadingBit(firstLeadingBit(splits)) + 1u;
-}
