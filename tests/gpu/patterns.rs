@@ -66,7 +66,9 @@ fn patterns_are_the_processors() {
                 renderer.mode = mode;
                 let camera = Camera::default().with_zoom(zoom);
                 let want = renderer.render(&scene, &camera).unwrap();
-                for gpu in [&gpu, &two_pass] {
+                // Kinds of keys have nothing to do with where triangles come from.
+                let both = pattern == Pattern::Split && zoom == 1.0;
+                for gpu in [&gpu, &two_pass].into_iter().take(1 + usize::from(both)) {
                     let mut ready = GpuScene::new(gpu, &renderer, &scene, &camera).unwrap();
                     let got = ready.draw().unwrap();
                     assert_eq!(got.stats.microtriangles, want.stats.microtriangles);
