@@ -2,7 +2,7 @@
 
 use super::ControlTree;
 use super::fans::Fans;
-use super::level::{ChannelMesh, ControlLevel, Kind};
+use super::level::{ControlLevel, Kind};
 use crate::dice::control::{Descend, View};
 use crate::dice::triangle::{DescendTriangles, TriangleView};
 use std::sync::Arc;
@@ -27,12 +27,24 @@ impl<'a> TreeChannel<'a> {
         self.tree.continued(depth, face, levels)
     }
 
-    /// What both kinds of views hold.
-    fn parts(&self, depth: u32) -> Option<(&'a ControlLevel, &'a ChannelMesh, &'a Fans)> {
+    /// A level, by its fans of one kind: none where they are of the other.
+    fn view<F>(
+        &self,
+        depth: u32,
+        of_kind: impl Fn(&'a Fans) -> Option<&'a F>,
+    ) -> Option<View<'a, F>> {
         let level = self.tree.level(depth)?;
         let mesh = level.channel(self.kind)?;
         let fans = (self.refined).map_or(&mesh.fans, |r| &r[depth as usize]);
-        Some((level, mesh, fans))
+        Some(View {
+            topology: &mesh.topology,
+            points: &mesh.points,
+            fans: of_kind(fans)?,
+            children: &level.children,
+            features: &level.rules.features,
+            whole: &level.level.topology,
+            tips: self.tips(level, depth),
+        })
     }
 
     fn tips(&self, level: &'a ControlLevel, depth: u32) -> Option<&'a [(u32, [f32; 3])]> {
@@ -48,36 +60,18 @@ impl<'a> TreeChannel<'a> {
 
 impl Descend for TreeChannel<'_> {
     fn at(&self, depth: u32) -> Option<View<'_>> {
-        let (level, mesh, fans) = self.parts(depth)?;
-        let Fans::Quads(_, fans) = fans else {
-            return None;
-        };
-        Some(View {
-            topology: &mesh.topology,
-            points: &mesh.points,
-            fans,
-            children: &level.children,
-            features: &level.rules.features,
-            whole: &level.level.topology,
-            tips: self.tips(level, depth),
+        self.view(depth, |fans| match fans {
+            Fans::Quads(_, fans) => Some(fans),
+            Fans::Triangles(..) => None,
         })
     }
 }
 
 impl DescendTriangles for TreeChannel<'_> {
     fn at(&self, depth: u32) -> Option<TriangleView<'_>> {
-        let (level, mesh, fans) = self.parts(depth)?;
-        let Fans::Triangles(_, fans) = fans else {
-            return None;
-        };
-        Some(TriangleView {
-            topology: &mesh.topology,
-            points: &mesh.points,
-            fans,
-            children: &level.children,
-            features: &level.rules.features,
-            whole: &level.level.topology,
-            tips: self.tips(level, depth),
+        self.view(depth, |fans| match fans {
+            Fans::Triangles(_, fans) => Some(fans),
+            Fans::Quads(..) => None,
         })
     }
 }

@@ -13,14 +13,14 @@ use crate::dispatch;
 use crate::records::Grid3;
 use crate::topology::{NONE, Topology};
 
-/// One control level of a channel.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct View<'a> {
+/// One control level of a channel of quads, or of triangles with their fans.
+#[derive(Debug)]
+pub(crate) struct View<'a, F = FanPoints> {
     /// Cut open along infinite creases (and seams).
     pub(crate) topology: &'a Topology,
     pub(crate) points: &'a [[f32; 3]],
-    pub(crate) fans: &'a FanPoints,
-    /// First of the four children of every quad in the next level; [`NONE`] or nothing where a quad is a patch.
+    pub(crate) fans: &'a F,
+    /// First of the four children of every face in the next level; [`NONE`] or nothing where a face is a patch.
     pub(crate) children: &'a [u32],
     /// Per vertex of the uncut mesh, whether its fans' rules do not hold.
     pub(crate) features: &'a [bool],
@@ -30,15 +30,24 @@ pub(crate) struct View<'a> {
     pub(crate) tips: Option<&'a [(u32, [f32; 3])]>,
 }
 
+// Whatever the fans are: derived, they would have to be copied themselves.
+impl<F> Clone for View<'_, F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<F> Copy for View<'_, F> {}
+
 /// Control levels by depth; 0 is the channel that is diced.
 pub(crate) trait Descend: std::fmt::Debug + Sync {
     /// The level at `depth`, if there is one.
     fn at(&self, depth: u32) -> Option<View<'_>>;
 }
 
-impl View<'_> {
-    pub(crate) fn first_child(&self, q: u32) -> Option<u32> {
-        let first = self.children.get(q as usize).copied();
+impl<F> View<'_, F> {
+    pub(crate) fn first_child(&self, face: u32) -> Option<u32> {
+        let first = self.children.get(face as usize).copied();
         first.filter(|&c| c != NONE)
     }
 

@@ -1,10 +1,10 @@
 //! Polygons of a cage as they are given, laid out as blocks: every cell has four points of its own in the block's grid, so that corners may have
 //! what they like, and the micro-quads between them are not drawn.
 
+use super::attributes::Attributes;
 use super::scene::{Object, Scene};
-use super::source::{Attributes, CORNERS};
+use super::source::CORNERS;
 use crate::Cage;
-use crate::mesh::NONE;
 use crate::records::Grid3;
 use crate::surface::{MOST_CELLS, PolygonBlock, PolygonBlocks, cell_places};
 use std::borrow::Cow;
@@ -64,23 +64,6 @@ pub(super) fn dice(
     for ((x, y), corners) in cell_places().zip(all.corners(block)) {
         for (c, (i, j)) in corners.into_iter().zip(CORNERS) {
             a.set_corner((x + i, y + j), cage, c);
-        }
-    }
-}
-
-impl Attributes {
-    fn set_corner(&mut self, (i, j): (usize, usize), cage: &Cage, corner: u32) {
-        let of = |numbers: &[u32]| numbers.get(corner as usize).copied().filter(|&n| n != NONE);
-        let normal = of(&cage.corner_normals).map(|n| cage.normals[n as usize]);
-        self.normals.set(i, j, normal.unwrap_or_default());
-        if self.has_uvs {
-            let [u, v] = of(&cage.corner_uvs).map_or([0.0; 2], |n| cage.uvs[n as usize]);
-            self.uvs.set(i, j, [u, v, 0.0]);
-        }
-        if self.has_colors {
-            let vertex = cage.corner_vertices[corner as usize];
-            let color = cage.colors.get(vertex as usize).copied();
-            self.colors.set(i, j, color.unwrap_or_default());
         }
     }
 }

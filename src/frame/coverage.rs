@@ -1,7 +1,7 @@
 //! Signed coverage of a frame: at every sample of a closed model the surfaces seen from the front and from behind must be equal in
 //! number. Tests hold the whole way from dicing to coverage against this, on the very blocks and bins that pictures are made of.
 
-use super::source::SourceScratch;
+use super::prepared::SourceScratch;
 use super::spot::Shape;
 use super::{Frame, RenderError, Renderer, Scene, Use};
 use crate::camera::View;

@@ -1,7 +1,9 @@
 //! How far what is drawn is from the limit surface, or from its patches, on the screen: the drawn triangles against the surface at the same parameters. Tests and
 //! benchmarks hold adaptive tessellation against this, on the very blocks that pictures are made of.
 
-use super::source::{Attributes, Source, SourceScratch};
+use super::attributes::Attributes;
+use super::prepared::SourceScratch;
+use super::source::Source;
 use super::{Frame, RenderError, Renderer, Scene, Use};
 use crate::camera::View;
 use crate::evaluate::Sample;

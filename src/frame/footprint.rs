@@ -26,8 +26,8 @@ pub(super) fn footprints(
         for i in 0..size.cols {
             let (i0, i1) = step(i, size.cols);
             // A triangle repeats its last corner: the row beside tells then.
-            let point = |j: usize| (block.position(i0, j), uvs.get(i0, j));
-            let is_short = (block.position(i1, j), uvs.get(i1, j)) == point(j);
+            let is_short =
+                block.position(i0, j) == block.position(i1, j) && uvs.get(i0, j) == uvs.get(i1, j);
             let row = if is_short { j0 + j1 - j } else { j };
             let screen = |a: [i32; 2], b: [i32; 2]| {
                 [(b[0] - a[0]) as f32 / 256.0, (b[1] - a[1]) as f32 / 256.0]

@@ -1,7 +1,7 @@
 //! Blocks that a tile keeps from drawing to shading. Displacing a block costs more than all else that is done with it, so what is drawn
 //! gets its attributes at once, and what is seen of it need not be displaced again.
 
-use super::source::Attributes;
+use super::attributes::Attributes;
 use crate::records::{BLOCK_POINTS, BLOCK_STRIDE, BlockSize, Grid3};
 
 /// Most numbers of a block: points and five attributes.

@@ -1,6 +1,7 @@
 //! Blocks of an adaptive tessellation: a part of a quad, with the points of its rim that are drawn elsewhere.
 
-use super::source::{Attributes, SourceScratch};
+use super::attributes::Attributes;
+use super::prepared::SourceScratch;
 use crate::dice::face::{Part, Sides};
 use crate::math;
 use crate::records::{BLOCK_POINTS, BlockSize, Grid3};

@@ -2,8 +2,8 @@
 //! sample.
 
 use super::Frame;
+use super::attributes::Attributes;
 use super::pixels::Pixels;
-use super::source::Attributes;
 use super::spot;
 use super::visible::Fragment;
 use crate::raster::{CornerLanes, PairedBlock, SampleLanes, sample_positions};

@@ -9,6 +9,7 @@
 //! same for any number of threads. No thread waits for another but at the end of a stage.
 
 mod aov;
+mod attributes;
 mod cage;
 #[doc(hidden)]
 pub mod coverage;
@@ -22,6 +23,7 @@ mod level;
 mod lit;
 mod passes;
 mod pixels;
+mod prepared;
 mod refinement;
 mod scene;
 mod shading;

@@ -4,9 +4,10 @@
 //! What most pictures are full of, opaque surfaces under light without textures, goes in lanes ([`lit`](super::lit)); everything else by
 //! [`SurfacePoint`]s.
 
+use super::attributes::Attributes;
 use super::footprint::footprints;
 use super::lit::{LitBlock, lit_fragments};
-use super::source::{Attributes, Source};
+use super::source::Source;
 use super::spot::{Listed, Quad, Spot};
 use super::stats::Stage;
 use super::tile::{Drawn, Scratch};

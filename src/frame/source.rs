@@ -4,8 +4,10 @@
 //! is; binning, drawing and shading only count them.
 
 use super::Use;
+use super::attributes::Attributes;
 use super::cage;
-use super::leaf::{self, Spare};
+use super::leaf;
+use super::prepared::SourceScratch;
 use super::scene::{Object, Scene};
 use super::spot::Shape;
 use crate::dice::FacePatch;
@@ -13,11 +15,9 @@ use crate::dice::face::{Part, Sides};
 use crate::limits::{Budget, LimitError};
 use crate::records::{BlockSize, Grid3, SampleId};
 use crate::shade::SurfaceMaterial;
-use crate::simd::Level;
-use crate::surface::{PolygonBlock, PolygonBlocks, QuadPatch, RefinedFans, Surface};
+use crate::surface::{PolygonBlock, PolygonBlocks, RefinedFans};
 use crate::tessellate::Tessellation;
 use std::borrow::Cow;
-use std::time::Duration;
 
 /// What is drawn of each surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,148 +49,6 @@ pub(super) struct Source<'a> {
     polygon_triangles: u64,
 }
 
-/// Buffers of one thread.
-#[derive(Default)]
-pub(super) struct SourceScratch {
-    pub(super) patch: QuadPatch,
-    prepared: Option<(u32, Sides)>,
-    /// Of the surface that is drawn, what is prepared: quad and level.
-    leaf: Option<(usize, u32, u32, Sides)>,
-    pub(super) spare: Spare,
-    /// Points that were diced since this was asked last.
-    diced: u64,
-}
-
-impl SourceScratch {
-    pub(super) fn new(simd: Level) -> Self {
-        let mut scratch = Self::default();
-        scratch.patch.set_simd(simd);
-        scratch
-    }
-
-    /// Whether time spent displacing is measured from now on.
-    pub(super) fn measure(&mut self, on: bool) {
-        self.patch.clock.set(on.then_some(Duration::ZERO));
-    }
-
-    /// Time spent displacing since this was asked last.
-    pub(super) fn take_displaced(&self) -> Duration {
-        let spent = self.patch.clock.get().unwrap_or_default();
-        self.patch
-            .clock
-            .set(self.patch.clock.get().map(|_| Duration::ZERO));
-        spent
-    }
-
-    /// Points that were diced since this was asked last.
-    pub(super) fn take_diced(&mut self) -> u64 {
-        std::mem::take(&mut self.diced)
-    }
-
-    /// Forgets which item is prepared: numbers of another scene mean other items.
-    pub(super) fn forget(&mut self) {
-        self.prepared = None;
-        self.leaf = None;
-    }
-
-    /// Prepares a quad of a surface at a level, unless it is.
-    pub(super) fn prepare(&mut self, surface: &Surface, quad: u32, level: u32, sides: Sides) {
-        // The address tells surfaces of one scene apart.
-        let of = std::ptr::from_ref(surface) as usize;
-        let ready = self
-            .leaf
-            .is_some_and(|(s, q, l, have)| (s, q, l) == (of, quad, level) && have >= sides);
-        if !ready {
-            self.patch.prepare_points(surface, quad, level, None, sides);
-            self.leaf = Some((of, quad, level, sides));
-            self.prepared = None;
-        }
-    }
-}
-
-impl SourceScratch {
-    /// Prepares a quad for hulls of its parts, unless it is.
-    pub(super) fn prepare_part_hulls(&mut self, surface: &Surface, quad: u32, level: u32) {
-        let of = std::ptr::from_ref(surface) as usize;
-        let is_ready = |(s, q, l, _): (usize, u32, u32, Sides)| (s, q, l) == (of, quad, level);
-        if !self.leaf.is_some_and(is_ready) {
-            self.patch.prepare_part_hulls(surface, quad, level);
-            // Nothing can be diced.
-            self.leaf = Some((of, quad, level, Sides::Hull));
-            self.prepared = None;
-        }
-    }
-}
-
-/// What shading needs of a block beside its points.
-pub(super) struct Attributes {
-    pub(super) normals: Box<Grid3>,
-    pub(super) uvs: Box<Grid3>,
-    pub(super) colors: Box<Grid3>,
-    /// What tilts normals, for relief and slopes by pixel.
-    pub(super) tangents: [Box<Grid3>; 2],
-    /// First and last row of points that are wanted, where not all are; only where texture coordinates are not.
-    pub(super) rows: Option<[u32; 2]>,
-    /// Whether anything of the frame reads texture coordinates.
-    pub(super) wants_uvs: bool,
-    pub(super) has_uvs: bool,
-    pub(super) has_colors: bool,
-    pub(super) has_tangents: bool,
-}
-
-impl Default for Attributes {
-    fn default() -> Self {
-        Self {
-            normals: Grid3::boxed(),
-            uvs: Grid3::boxed(),
-            colors: Grid3::boxed(),
-            tangents: [Grid3::boxed(), Grid3::boxed()],
-            rows: None,
-            wants_uvs: false,
-            has_uvs: false,
-            has_colors: false,
-            has_tangents: false,
-        }
-    }
-}
-
-impl Attributes {
-    /// Which of texture coordinates, colours and tangents there are.
-    pub(super) fn flags(&self) -> [bool; 3] {
-        [self.has_uvs, self.has_colors, self.has_tangents]
-    }
-
-    pub(super) fn set_flags(&mut self, flags: [bool; 3]) {
-        [self.has_uvs, self.has_colors, self.has_tangents] = flags;
-    }
-
-    /// What there is.
-    pub(super) fn grids(&self) -> impl Iterator<Item = &Grid3> {
-        let [first, second] = &self.tangents;
-        let all = [&self.normals, &self.uvs, &self.colors, first, second];
-        let [uvs, colors, tangents] = self.flags();
-        let there = [true, uvs, colors, tangents, tangents];
-        all.into_iter().zip(there).filter(|g| g.1).map(|g| &**g.0)
-    }
-
-    pub(super) fn grids_mut(&mut self) -> impl Iterator<Item = &mut Grid3> {
-        let [uvs, colors, tangents] = self.flags();
-        let there = [true, uvs, colors, tangents, tangents];
-        let [first, second] = &mut self.tangents;
-        let all = [
-            &mut self.normals,
-            &mut self.uvs,
-            &mut self.colors,
-            first,
-            second,
-        ];
-        all.into_iter()
-            .zip(there)
-            .filter(|g| g.1)
-            .map(|g| &mut **g.0)
-    }
-}
-
 /// Corners of a 2×2 grid in the order of a quad's corners.
 pub(super) const CORNERS: [(usize, usize); 4] = [(0, 0), (1, 0), (1, 1), (0, 1)];
 
@@ -213,7 +71,7 @@ impl<'a> Source<'a> {
             }
             let polygons = match drawing {
                 Drawing::Cage => {
-                    let making = PolygonBlocks::making(object.surface.cage());
+                    let making = PolygonBlocks::making_bytes(object.surface.cage());
                     budget.take("the blocks of the cage", 0, making)?;
                     cage::blocks(scene, object, purpose == Use::Lines)
                 }

@@ -6,13 +6,15 @@
 
 use super::Frame;
 use super::aov::{self, TilePlanes};
+use super::attributes::Attributes;
 use super::cutout::{Layers, draw_cutout};
 use super::footprint::footprints;
 use super::kept::Kept;
 use super::lit::{GROUPS, LitGroup};
 use super::pixels::{self, Pixels};
+use super::prepared::SourceScratch;
 use super::shading;
-use super::source::{Attributes, Source, SourceScratch};
+use super::source::Source;
 use super::spot::{Shape, draw};
 use super::stats::{Stage, StageTimes};
 use super::visible::Visible;

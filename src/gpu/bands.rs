@@ -146,7 +146,7 @@ impl Bands {
                 shade: shown(&pipelines.shade, &[(7, &sums)]),
                 outputs: match words {
                     0 => Vec::new(),
-                    _ => shown(pipelines.outputs(gpu), &[(7, &codes), (14, &record)]),
+                    _ => shown(pipelines.outputs(gpu)?, &[(7, &codes), (14, &record)]),
                 },
                 film: pipelines.film.bind(gpu, &film),
                 frame,
@@ -208,13 +208,13 @@ impl Bands {
         encoder: &mut wgpu::CommandEncoder,
         (pipelines, chunks): (&Pipelines, &[DeviceChunk]),
         timer: Option<&Timer>,
-    ) {
+    ) -> Result<(), GpuError> {
         let [picture, _] = self.down();
         let words = u64::from(self.outputs.words());
         let row_bytes = 4 * u64::from(self.size.width);
         for (k, band) in self.bands.iter().enumerate() {
             let first = (k * TIMED.len()) as u32;
-            self.encode_band(gpu, encoder, (pipelines, chunks, timer), (band, first));
+            self.encode_band(gpu, encoder, (pipelines, chunks, timer), (band, first))?;
             let [start, end] = band.rows.map(|row| u64::from(row) * row_bytes);
             encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, start, end - start);
             if words > 0 {
@@ -222,6 +222,7 @@ impl Bands {
                 encoder.copy_buffer_to_buffer(&self.codes, 0, &self.staging, to, size);
             }
         }
+        Ok(())
     }
 
     /// Draws a band; its passes are numbered from `first` on.
@@ -231,7 +232,7 @@ impl Bands {
         encoder: &mut wgpu::CommandEncoder,
         (p, chunks, timer): (&Pipelines, &[DeviceChunk], Option<&Timer>),
         (band, first): (&Band, u32),
-    ) {
+    ) -> Result<(), GpuError> {
         let [tile, shade, film] = TIMED;
         encoder.clear_buffer(&self.keys, 0, None);
         encoder.clear_buffer(&self.sums, 0, None);
@@ -255,10 +256,11 @@ impl Bands {
             p.shade.run(&mut pass, bindings, groups);
         }
         for bindings in &band.outputs {
-            p.outputs(gpu).run(&mut pass, bindings, groups);
+            p.outputs(gpu)?.run(&mut pass, bindings, groups);
         }
         drop(pass);
         let mut pass = timer::pass(timer, encoder, film, first + 2);
         p.film.run(&mut pass, &band.film, groups);
+        Ok(())
     }
 }

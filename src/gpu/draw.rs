@@ -343,7 +343,7 @@ impl<'a> GpuScene<'a> {
         let timed = self.first_before() + before.len() as u32;
         let drawn = (self.pipelines, &*self.chunks);
         let timer = self.timer.as_ref();
-        self.bands.encode(self.gpu, &mut encoder, drawn, timer);
+        (self.bands).encode(self.gpu, &mut encoder, drawn, timer)?;
         let [picture, down] = self.bands.down();
         stats.read_backs += 1;
         self.copy_counts(&mut encoder);

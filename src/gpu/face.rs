@@ -203,12 +203,7 @@ impl Builder {
         let (p, n) = (of(owners.position)?, of(dicer.evaluated(owners))?);
         let curve = self.corner_curve(dicer, h, owners)?;
         let at = self.data.spots.len() as u32;
-        self.data.spots.push(Spot {
-            stencil: p[0],
-            index: p[1],
-            normal_stencil: n[0],
-            normal_index: n[1],
-        });
+        self.data.spots.push(spot([p, n]));
         if dicer.is_displaced() {
             self.lift_corner(dicer, h, (owners, curve))?;
         }
@@ -250,18 +245,23 @@ impl Builder {
             let at = dicer.along(evaluated % count, along, n);
             let own = self.shown_place(dicer, evaluated / count, at, level)?;
             let curve = ends.map(|ends| ends.at(dicer, [turned, k], level));
-            self.data.spots.push(Spot {
-                stencil: p[0],
-                index: p[1],
-                normal_stencil: own[0],
-                normal_index: own[1],
-            });
+            self.data.spots.push(spot([p, own]));
             if dicer.is_displaced() {
                 self.lift_side(dicer, h, (owners, curve), [turned, level])?;
             }
         }
         self.there.sides.insert(owners.normal, first);
         Ok(first)
+    }
+}
+
+/// A spot by stencil and point, of its position and of its normal.
+pub(super) fn spot([position, normal]: [[u32; 2]; 2]) -> Spot {
+    Spot {
+        stencil: position[0],
+        index: position[1],
+        normal_stencil: normal[0],
+        normal_index: normal[1],
     }
 }
 

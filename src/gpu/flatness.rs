@@ -22,11 +22,8 @@ use wgpu::BufferUsages as Usage;
 /// one before, or at an irregular corner half.
 const SHORT: f32 = 2.0;
 
-/// Words of the counts of a chunk.
-const TOTALS: usize = 8;
-
 /// Bytes that come down with the picture for each chunk.
-pub(super) const COUNT_BYTES: u64 = 4 * TOTALS as u64;
+pub(super) const COUNT_BYTES: u64 = 4 * wgsl::TOTALS as u64;
 
 /// Its pipelines.
 #[derive(Debug)]
@@ -297,17 +294,16 @@ impl DeviceFlatness {
 
     /// The counts that came down.
     pub(super) fn counts(&self, bytes: &[u8]) -> Counts {
-        let word = |k: usize| {
-            let bytes = bytes.get(4 * k..4 * k + 4);
-            bytes.map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-        };
+        let words = bytes.as_chunks::<4>().0;
+        let word = |k: u32| (words.get(k as usize)).map_or(0, |b| u32::from_le_bytes(*b));
+        let quads = u64::from(word(wgsl::TOTAL_QUADS));
         Counts {
-            drawn: word(0),
-            blocks: word(1),
-            triangles: (2 * u64::from(word(4))).saturating_sub(word(3).into()),
-            coarse: word(5),
-            deepest: word(6) + self.split,
-            missing: word(7),
+            drawn: word(wgsl::TOTAL_DRAWN),
+            blocks: word(wgsl::TOTAL_BLOCKS),
+            triangles: (2 * quads).saturating_sub(word(wgsl::TOTAL_MOVES).into()),
+            coarse: word(wgsl::TOTAL_DEEPER),
+            deepest: word(wgsl::TOTAL_DEEPEST) + self.split,
+            missing: word(wgsl::TOTAL_MISSING),
         }
     }
 }

@@ -3,9 +3,9 @@
 use super::chunk::Builder;
 use super::dicer::{Dicer, Shown};
 use super::error::GpuError;
-use super::face::rim_place;
+use super::face::{rim_place, spot};
 use super::owners::Owners;
-use super::records::{Lift, Spot};
+use super::records::Lift;
 use super::wgsl::pn_place;
 
 /// See [`Lift::curve`].
@@ -62,13 +62,8 @@ impl Builder {
     }
 
     /// A spot that stays where it is: the stencil and the point of its position and of its normal.
-    fn base_spot(&mut self, dicer: &Dicer<'_>, [position, normal]: [[u32; 2]; 2]) -> u32 {
-        self.data.spots.push(Spot {
-            stencil: position[0],
-            index: position[1],
-            normal_stencil: normal[0],
-            normal_index: normal[1],
-        });
+    fn base_spot(&mut self, dicer: &Dicer<'_>, places: [[u32; 2]; 2]) -> u32 {
+        self.data.spots.push(spot(places));
         if dicer.is_displaced() {
             self.data.lifts.push(Lift {
                 held: 1,

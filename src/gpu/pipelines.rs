@@ -1,6 +1,7 @@
 //! Compute pipelines of all stages, made once per device and variant.
 
 use super::device::Gpu;
+use super::error::GpuError;
 use super::wgsl::{self, ACROSS, Keys, Source, Variant};
 use std::sync::OnceLock;
 
@@ -42,9 +43,13 @@ impl Pipelines {
     }
 
     /// What writes outputs beside the picture, made when they are first asked for.
-    pub(super) fn outputs(&self, gpu: &Gpu) -> &Stage {
-        let source = || wgsl::outputs(self.variant);
-        (self.outputs).get_or_init(|| stage(gpu, &module(gpu, &source()), "main"))
+    pub(super) fn outputs(&self, gpu: &Gpu) -> Result<&Stage, GpuError> {
+        if let Some(made) = self.outputs.get() {
+            return Ok(made);
+        }
+        let source = wgsl::outputs(self.variant);
+        let made = gpu.caught(|| Ok(stage(gpu, &module(gpu, &source), "main")))?;
+        Ok(self.outputs.get_or_init(|| made))
     }
 }
 

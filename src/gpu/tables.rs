@@ -108,8 +108,27 @@ const MOST_BYTES: u128 = 4 << 30;
 /// A shape of surroundings, and the level that it is wanted at.
 pub(super) type Wanted<'a> = (&'a Surroundings, u32);
 
-/// Takes the memory of tables of `shapes`, of which each has a number of values per point.
-pub(super) fn take(
+/// Makes the table of each of `shapes` at its level by `one`, once there is memory for all: each has a number of values per point.
+pub(super) fn of_each<T: Send>(
+    surface: &Surface,
+    shapes: &[Wanted<'_>],
+    values: impl Fn(&Surroundings) -> usize,
+    budget: &mut Budget<'_>,
+    one: impl Fn(&Surroundings, u32) -> Result<T, GpuError> + Sync,
+) -> Result<Vec<T>, GpuError> {
+    take(surface, shapes, values, budget)?;
+    let limits = budget.limits();
+    shapes
+        .par_iter()
+        .map(|&(shape, level)| {
+            limits.check()?;
+            one(shape, level)
+        })
+        .collect()
+}
+
+/// Takes the memory of tables.
+fn take(
     surface: &Surface,
     shapes: &[Wanted<'_>],
     values: impl Fn(&Surroundings) -> usize,
@@ -174,15 +193,9 @@ fn made(
     budget: &mut Budget<'_>,
 ) -> Result<Vec<Table>, GpuError> {
     let values = |shape: &Surroundings| width as usize * shape.vertices.len();
-    take(surface, shapes, values, budget)?;
-    let limits = budget.limits();
-    shapes
-        .par_iter()
-        .map(|&(shape, level)| {
-            limits.check()?;
-            one(surface, shape, level, drawing, (width, mends))
-        })
-        .collect()
+    of_each(surface, shapes, values, budget, |shape, level| {
+        one(surface, shape, level, drawing, (width, mends))
+    })
 }
 
 fn one(

@@ -2,10 +2,9 @@
 
 use super::error::GpuError;
 use super::surroundings::Surroundings;
-use super::tables::{NO_WEIGHTS, Wanted, quarter, rim_len, rims, subs, take};
+use super::tables::{NO_WEIGHTS, Wanted, of_each, quarter, rim_len, rims, subs};
 use crate::limits::Budget;
 use crate::surface::{PlaceJets, Surface};
-use rayon::prelude::*;
 
 /// The weights of texture coordinates of a shape of surroundings.
 #[derive(Clone, Debug, Default)]
@@ -52,15 +51,9 @@ pub(super) fn make_uvs(
     budget: &mut Budget<'_>,
 ) -> Result<Vec<UvTable>, GpuError> {
     let values = |shape: &Surroundings| width as usize * shape.uvs.len();
-    take(surface, shapes, values, budget)?;
-    let limits = budget.limits();
-    shapes
-        .par_iter()
-        .map(|&(shape, level)| {
-            limits.check()?;
-            one_uvs(surface, shape, level, width)
-        })
-        .collect()
+    of_each(surface, shapes, values, budget, |shape, level| {
+        one_uvs(surface, shape, level, width)
+    })
 }
 
 fn one_uvs(

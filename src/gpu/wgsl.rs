@@ -57,6 +57,20 @@ pub const EDGE_BACK: u32 = 16;
 pub(super) const NODE_WORDS: u32 = 1 + 85;
 /// Triangles whose normals may be further off where samples ask for more levels than there are, in pixels.
 const FEW_PIXELS: f32 = 4.0;
+/// Where counts of a chunk stand whose blocks the device decides: blocks that are drawn, all of them, their points, moved points, micro-quads.
+pub(super) const TOTAL_DRAWN: u32 = 0;
+pub(super) const TOTAL_BLOCKS: u32 = 1;
+const TOTAL_POINTS: u32 = 2;
+pub(super) const TOTAL_MOVES: u32 = 3;
+pub(super) const TOTAL_QUADS: u32 = 4;
+/// Faces and edges that ask for more than there is, the deepest level, and the most that the last step adds where more is asked for, in
+/// thousandths of what is allowed.
+pub(super) const TOTAL_DEEPER: u32 = 5;
+pub(super) const TOTAL_DEEPEST: u32 = 6;
+pub(super) const TOTAL_MISSING: u32 = 7;
+/// Their number.
+pub(super) const TOTALS: u32 = 8;
+
 /// Faces whose sums are taken by one workgroup.
 pub(super) const PART: u32 = 16 * GROUP;
 
@@ -120,6 +134,14 @@ fn numbers() -> String {
         ("EDGE_BACK", EDGE_BACK),
         ("NODE_WORDS", NODE_WORDS),
         ("PART", PART),
+        ("TOTAL_DRAWN", TOTAL_DRAWN),
+        ("TOTAL_BLOCKS", TOTAL_BLOCKS),
+        ("TOTAL_POINTS", TOTAL_POINTS),
+        ("TOTAL_MOVES", TOTAL_MOVES),
+        ("TOTAL_QUADS", TOTAL_QUADS),
+        ("TOTAL_DEEPER", TOTAL_DEEPER),
+        ("TOTAL_DEEPEST", TOTAL_DEEPEST),
+        ("TOTAL_MISSING", TOTAL_MISSING),
         ("TRUSTED", numbers::TRUSTED),
         ("UNEVEN_STEPS", numbers::UNEVEN_STEPS),
         ("DEEPER", numbers::DEEPER),
@@ -245,6 +267,7 @@ pub fn flatness() -> Source {
         TREE,
         include_str!("wgsl/closed.wgsl"),
         include_str!("wgsl/flatness.wgsl"),
+        include_str!("wgsl/cut.wgsl"),
     ];
     source("flatness", &parts)
 }

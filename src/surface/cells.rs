@@ -162,7 +162,7 @@ impl PolygonBlocks {
     }
 
     /// Bytes that making the blocks of a cage takes at most: those of all chunks, and of all together.
-    pub(crate) fn making(cage: &Cage) -> u128 {
+    pub(crate) fn making_bytes(cage: &Cage) -> u128 {
         let polygons = (cage.corner_vertices.len()).saturating_sub(2 * cage.face_count());
         2 * polygons as u128 * (size_of::<Cell>() + size_of::<PolygonBlock>()) as u128
     }

@@ -86,13 +86,7 @@ impl Texture {
         texels: Vec<[u8; 4]>,
         meaning: Meaning,
     ) -> Result<Self, LoadError> {
-        check_size(width, height, 4, MAX_BYTES)?;
-        if texels.len() != width as usize * height as usize {
-            return Err(LoadError::Damaged(format!(
-                "{} texels given for {width}x{height}",
-                texels.len()
-            )));
-        }
+        check_given(width, height, 4, texels.len())?;
         let has_alpha = texels.iter().any(|t| t[3] != 255);
         Ok(Self::from_bytes(width, height, texels, meaning, has_alpha))
     }
@@ -107,13 +101,7 @@ impl Texture {
         texels: Vec<[u16; 4]>,
         meaning: Meaning,
     ) -> Result<Self, LoadError> {
-        check_size(width, height, 8, MAX_BYTES)?;
-        if texels.len() != width as usize * height as usize {
-            return Err(LoadError::Damaged(format!(
-                "{} texels given for {width}x{height}",
-                texels.len()
-            )));
-        }
+        check_given(width, height, 8, texels.len())?;
         let has_alpha = texels.iter().any(|t| t[3] != u16::MAX);
         Ok(Self::from_words(width, height, texels, meaning, has_alpha))
     }
@@ -220,6 +208,17 @@ fn with_room<T: Copy>(width: u32, height: u32, values: &[T]) -> Vec<[T; 4]> {
     let mut texels = Vec::with_capacity(count);
     texels.extend_from_slice(values.as_chunks::<4>().0);
     texels
+}
+
+/// Refuses sizes that are not allowed, and another number of texels than they say.
+fn check_given(width: u32, height: u32, per_texel: u64, count: usize) -> Result<(), LoadError> {
+    check_size(width, height, per_texel, MAX_BYTES)?;
+    if count == width as usize * height as usize {
+        return Ok(());
+    }
+    Err(LoadError::Damaged(format!(
+        "{count} texels given for {width}x{height}"
+    )))
 }
 
 /// Bytes of a texture and its levels, refused when a limit is passed.

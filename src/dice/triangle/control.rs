@@ -6,28 +6,14 @@
 //! which they first appear.
 
 use super::super::basis::Target;
+use super::super::control::View;
 use super::super::face::Sides;
 use super::fans::TriangleFans;
 use super::patch::{Dot, SidePlace, TriangleChannel, TrianglePatch};
 use super::place::Place;
-use crate::topology::{NONE, Topology};
 
 /// One control level of a channel.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct TriangleView<'a> {
-    /// Cut open along infinite creases (and seams).
-    pub(crate) topology: &'a Topology,
-    pub(crate) points: &'a [[f32; 3]],
-    pub(crate) fans: &'a TriangleFans,
-    /// First of the four children of every triangle in the next level; [`NONE`] or nothing where a triangle is a patch.
-    pub(crate) children: &'a [u32],
-    /// Per vertex of the uncut mesh, whether its fans' rules do not hold.
-    pub(crate) features: &'a [bool],
-    /// The uncut mesh.
-    pub(crate) whole: &'a Topology,
-    /// Limits at features by vertex of `topology`, sorted; in place of those of the fans.
-    pub(crate) tips: Option<&'a [(u32, [f32; 3])]>,
-}
+pub(crate) type TriangleView<'a> = View<'a, TriangleFans>;
 
 /// Control levels by depth; 0 is the channel that is diced.
 pub(crate) trait DescendTriangles: std::fmt::Debug + Sync {
@@ -44,22 +30,10 @@ impl<'a> TriangleView<'a> {
         }
     }
 
-    pub(crate) fn first_child(&self, face: u32) -> Option<u32> {
-        let first = self.children.get(face as usize).copied();
-        first.filter(|&c| c != NONE)
-    }
-
     /// Whether either end of side `c` is a feature.
     fn is_feature_side(&self, face: u32, c: u32) -> bool {
         let feature = |c: u32| self.features[self.whole.vertex(3 * face + c % 3) as usize];
         feature(c) || feature(c + 1)
-    }
-
-    /// The limit of corner `h` if it is at a feature.
-    pub(super) fn tip(&self, h: u32) -> Option<[f32; 3]> {
-        let tips = self.tips?;
-        let found = tips.binary_search_by_key(&self.topology.vertex(h), |t| t.0);
-        found.ok().map(|i| tips[i].1)
     }
 
     /// Limit point and normal of corner `h`.

@@ -67,9 +67,9 @@ fn scan_parts(@builtin(local_invocation_index) lane: u32) {
         let drawn = select(0u, all_of.x, fits);
         totals[TOTAL_DRAWN] = drawn;
         totals[TOTAL_BLOCKS] = all_of.x;
-        totals[TOTAL_BLOCKS + 1u] = all_of.y;
-        totals[TOTAL_BLOCKS + 2u] = all_of.z;
-        totals[TOTAL_BLOCKS + 3u] = all_of.w;
+        totals[TOTAL_POINTS] = all_of.y;
+        totals[TOTAL_MOVES] = all_of.z;
+        totals[TOTAL_QUADS] = all_of.w;
         dispatched[0] = min(drawn, ACROSS);
         dispatched[1] = (drawn + ACROSS - 1u) / ACROSS;
         dispatched[2] = 1u;

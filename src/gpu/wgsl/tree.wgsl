@@ -3,14 +3,6 @@
 // A face's tree is the number of its nodes, none where it is not drawn, then the nodes in the order in which they were made.
 const NODE_LEAF = 0x8000u;
 
-// Counts of a chunk: blocks that are drawn, all of them, their points, moved points, micro-quads, and how much asks for more than there is.
-const TOTAL_DRAWN = 0u;
-const TOTAL_BLOCKS = 1u;
-const TOTAL_DEEPER = 5u;
-const TOTAL_DEEPEST = 6u;
-// The most that the last step adds where more is asked for, in thousandths of what is allowed.
-const TOTAL_MISSING = 7u;
-
 // A leaf: its depth and place, and the level that it needs, which is its own at first.
 fn node_of(depth: u32, x: u32, y: u32, need: u32) -> u32 {
     return depth | (x << 2u) | (y << 5u) | (need << 8u) | (need << 11u) | NODE_LEAF;
