@@ -69,6 +69,7 @@ pub(super) const TOTAL_DEEPER: u32 = 5;
 pub(super) const TOTAL_DEEPEST: u32 = 6;
 pub(super) const TOTAL_MISSING: u32 = 7;
 /// Their number.
+#[cfg(feature = "gpu")]
 pub(super) const TOTALS: u32 = 8;
 
 /// Faces whose sums are taken by one workgroup.
