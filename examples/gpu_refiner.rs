@@ -1,8 +1,8 @@
 //! An engine's own device and pipeline draw a surface that earmark refines on the device:
 //! `cargo run --release --features gpu --example gpu_refiner OUT.png [SIZE] [software]`.
 //!
-//! The device, its queue and the render pipeline are this program's. Points and quads never leave the device: the vertex shader pulls them
-//! from the refiner's buffers. Needs no window. `software` takes adapters that compute on the processor.
+//! The device, its queue and the render pipeline are this program's. Limit points, their normals and quads never leave the device: the vertex
+//! shader pulls them from the refiner's buffers. Needs no window. `software` takes adapters that compute on the processor.
 
 #![allow(clippy::print_stdout)]
 
@@ -19,13 +19,16 @@ struct View { x: vec4<f32>, y: vec4<f32>, w: vec4<f32>, eye: vec4<f32>, size: ve
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> points: array<f32>;
 @group(0) @binding(2) var<storage, read> corners: array<u32>;
+@group(0) @binding(3) var<storage, read> normals: array<f32>;
 
-struct Out { @builtin(position) screen: vec4<f32>, @location(0) at: vec3<f32> }
+struct Out { @builtin(position) screen: vec4<f32>, @location(0) at: vec3<f32>, @location(1) normal: vec3<f32> }
 
 @vertex fn pull(@builtin(vertex_index) index: u32) -> Out {
     // Two triangles per quad.
     var order = array<u32, 6>(0u, 1u, 2u, 0u, 2u, 3u);
-    let v = corners[4u * (index / 6u) + order[index % 6u]];
+    let h = 4u * (index / 6u) + order[index % 6u];
+    let v = corners[h];
+    let normal = vec3<f32>(normals[3u * h], normals[3u * h + 1u], normals[3u * h + 2u]);
     let at = vec3<f32>(points[3u * v], points[3u * v + 1u], points[3u * v + 2u]);
     let p = vec4<f32>(at, 1.0);
     let w = dot(view.w, p);
@@ -33,12 +36,11 @@ struct Out { @builtin(position) screen: vec4<f32>, @location(0) at: vec3<f32> }
     let x = dot(view.x, p) / (128.0 * view.size.x) - w;
     let y = w - dot(view.y, p) / (128.0 * view.size.y);
     // Depth from 0 at the near distance to 1 far away.
-    return Out(vec4<f32>(x, y, w - view.size.z, w), at);
+    return Out(vec4<f32>(x, y, w - view.size.z, w), at, normal);
 }
 
 @fragment fn shade(in: Out) -> @location(0) vec4<f32> {
-    // Of the triangle, turned to the eye.
-    let n = normalize(cross(dpdx(in.at), dpdy(in.at)));
+    let n = normalize(in.normal);
     let v = normalize(view.eye.xyz - in.at);
     let facing = n * sign(dot(n, v));
     let light = 0.15 + 0.75 * max(dot(facing, normalize(v + vec3<f32>(-0.4, 0.9, 0.1))), 0.0);
@@ -83,7 +85,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (scene, _) = loader.finish();
     let surface = &scene.objects[0].surface;
     let gpu = Gpu::of_device(&device, &queue);
-    let refiner = Refiner::new(&gpu, surface, LEVEL)?;
+    let refiner = Refiner::with_limit(&gpu, surface, LEVEL)?;
+    let limit = refiner.limit_points().zip(refiner.normals());
+    let (points, normals) = limit.ok_or("no limit")?;
     let screen = ScreenSize {
         width: size,
         height: size,
@@ -161,8 +165,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         layout: &pipeline.get_bind_group_layout(0),
         entries: &[
             entry(0, &uniform),
-            entry(1, refiner.points()),
+            entry(1, points),
             entry(2, refiner.corners()),
+            entry(3, normals),
         ],
     });
 

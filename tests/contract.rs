@@ -1,8 +1,8 @@
 //! What processor and device share has one layout, and all sources of the device's stages are valid: held by naga, without a GPU.
 
 use earmark::gpu::records::{
-    Block, Chunk, Edge, Face, Frame, Lift, Material, Metric, Move, Outputs, Patch, Record, Rise,
-    Room, Spot, Stencil, Step, words,
+    Block, Chunk, Edge, Face, Frame, Lift, Material, Mesh, Metric, Move, Outputs, Patch, Record,
+    Rise, Room, Spot, Stencil, words,
 };
 use earmark::gpu::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -70,7 +70,7 @@ fn records_have_one_layout() {
     check::<Block>(&module);
     check::<Move>(&module);
     check::<Material>(&module);
-    check::<Step>(&module);
+    check::<Mesh>(&module);
     check::<Metric>(&module);
     check::<Patch>(&module);
     check::<Edge>(&module);

@@ -28,6 +28,7 @@ mod points;
 mod program;
 #[path = "gpu/refusals.rs"]
 mod refusals;
+mod support;
 #[path = "golden/table.rs"]
 mod table;
 

@@ -138,6 +138,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "limits",
             "scheme",
             "mesh",
+            "refine",
             "camera",
             "topology",
             "dice",

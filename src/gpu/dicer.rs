@@ -15,7 +15,7 @@ use crate::topology::NONE;
 use std::collections::HashMap;
 
 /// Most faces around a vertex, and corners of a face.
-const MOST_AROUND: u32 = 512;
+pub(super) const MOST_AROUND: u32 = 512;
 
 /// An object with the tables of its faces.
 pub(super) struct Dicer<'a> {

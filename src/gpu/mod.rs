@@ -44,8 +44,8 @@
 //!
 //! # Whole meshes
 //!
-//! `Refiner` makes the levels of a cage on a caller's device, in buffers that the caller draws from: `face`, `edge`, `vertex` and
-//! `connectivity`, all of them gathers.
+//! [`Refiner`] makes the levels of a cage on a caller's device, in buffers that the caller draws from: `face`, `edge`, `vertex` and
+//! `connectivity`, all of them gathers, of quads, triangles (Loop) or any polygons; and `limit`, the limit points and normals of the last.
 //!
 //! # What is refused
 //!

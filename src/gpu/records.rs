@@ -433,16 +433,24 @@ record! {
 }
 
 record! {
-    /// Sizes of a mesh of quads that is refined by one step. A uniform.
-    Step {
+    /// A level of a whole mesh: how much there is, and where lists begin among the words of its buffers. A uniform.
+    Mesh {
         /// Vertices.
         vertices: u32,
         /// Edges.
         edges: u32,
         /// Faces.
         faces: u32,
-        /// Nothing.
-        padding: u32,
+        /// Half-edges.
+        halves: u32,
+        /// Twins of half-edges, behind their vertices.
+        twins: u32,
+        /// Edges of half-edges.
+        numbers: u32,
+        /// First half-edges of vertices, behind half-edges of edges.
+        firsts: u32,
+        /// Sharpness of edges, then of vertices.
+        sharpness: u32,
     }
 }
 

@@ -1,6 +1,8 @@
 //! Sources of the device's stages. Each is the numbers that both sides know, `records.wgsl`, which holds the shared structures, what it shares
 //! with others and its own file.
 
+mod mesh;
+
 use super::records::POINT_FLOATS;
 use crate::patch::NET_LEN;
 use crate::raster::{GUARD_BAND, SCREEN_MARGIN};
@@ -10,6 +12,8 @@ use crate::shade::{LEVEL_COLORS, ShadeMode};
 use crate::tessellate::flatness::numbers;
 use crate::topology::NONE;
 use std::fmt::Write;
+
+pub use mesh::{Faces, MeshStep, connectivity, edge, face, limit, vertex};
 
 /// A stage's source, by its name.
 #[derive(Clone, Debug)]
@@ -367,41 +371,15 @@ pub fn film() -> Source {
     source("film", &[ENCODE, include_str!("wgsl/film.wgsl")])
 }
 
-const LEVELS: &str = include_str!("wgsl/levels_shared.wgsl");
-const LEVEL_POINTS: &str = include_str!("wgsl/levels_points.wgsl");
-
-/// Face points of a level.
-#[must_use]
-pub fn face() -> Source {
-    let parts = [LEVELS, LEVEL_POINTS, include_str!("wgsl/face.wgsl")];
-    source("face", &parts)
-}
-
-/// Edge points of a level.
-#[must_use]
-pub fn edge() -> Source {
-    let parts = [LEVELS, LEVEL_POINTS, include_str!("wgsl/edge.wgsl")];
-    source("edge", &parts)
-}
-
-/// Vertex points of a level.
-#[must_use]
-pub fn vertex() -> Source {
-    let parts = [LEVELS, LEVEL_POINTS, include_str!("wgsl/vertex.wgsl")];
-    source("vertex", &parts)
-}
-
-/// Half-edges, edges and vertices of the next level.
-#[must_use]
-pub fn connectivity() -> Source {
-    let parts = [LEVELS, include_str!("wgsl/connectivity.wgsl")];
-    source("connectivity", &parts)
-}
-
 /// All of them.
 #[must_use]
 pub fn all() -> Vec<Source> {
-    let mut out = vec![film(), face(), edge(), vertex(), connectivity()];
+    let mut out = vec![film()];
+    for faces in [Faces::Quads, Faces::Triangles, Faces::Polygons] {
+        let step = MeshStep::of(faces);
+        let stages = [face, edge, vertex, connectivity, limit];
+        out.extend(stages.map(|stage| stage(step)));
+    }
     out.extend([flatness(), edges(), blocks(), scan()]);
     for variant in Variant::ENDS {
         out.extend([dice(variant), shade(variant), outputs(variant)]);

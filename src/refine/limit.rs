@@ -19,12 +19,16 @@ mod face_varying;
 mod frame;
 mod interpolating;
 mod local;
+#[cfg(feature = "gpu")]
+mod masks;
 mod rings;
 mod sectors;
 
 pub(crate) use frame::{Frame, normal};
 pub(crate) use interpolating::Tangents;
 use local::LocalRing;
+#[cfg(feature = "gpu")]
+pub(crate) use masks::{Masks, RingShape, VertexMasks};
 use rings::RingMasks;
 pub(super) use sectors::Tables;
 

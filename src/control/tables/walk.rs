@@ -51,8 +51,9 @@ pub(crate) struct Walk<'a> {
     regions: BTreeMap<(u32, u32), Region>,
 }
 
-/// Regions that are kept.
+/// Regions that are kept, and the depth above which all are: rows of places come back to those.
 const MOST_KEPT: usize = 32;
+const DEPTH_KEPT: u32 = 3;
 
 /// Rings that are refined around a face at a depth.
 fn rings(scheme: Scheme, depth: u32) -> usize {
@@ -206,7 +207,10 @@ impl<'a> Walk<'a> {
     /// The surface at `place` of face `face` of those that are drawn, in [`STEPS`] along its sides; derivatives if wanted. Triangles have
     /// weights of corners 1 and 2 for places.
     pub(crate) fn find(&mut self, face: u32, place: [u32; 2], derivatives: bool) -> Option<Found> {
-        if self.face != Some(face) || self.regions.len() > MOST_KEPT {
+        if self.regions.len() > MOST_KEPT {
+            self.regions.retain(|&(depth, _), _| depth < DEPTH_KEPT);
+        }
+        if self.face != Some(face) {
             self.regions.clear();
             let region = self.region(&self.tree.root.level, face, 0);
             self.regions.insert((0, 0), region);

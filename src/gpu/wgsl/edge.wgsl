@@ -1,25 +1,39 @@
 // Edge points: smooth, the middle of a sharp edge, or in between where sharpness runs out. Face points are there already.
 
+// Weight of a face point in the edge points of the face.
+fn face_weight(f: u32) -> f32 {
+    if SMOOTH_TRIANGLES && corners_of(f) == 3u {
+        return FACE_OF_TRIANGLE;
+    }
+    return 0.25;
+}
+
+fn smooth_edge(h: u32, ends: vec3<f32>) -> vec3<f32> {
+    let twin = twin_of(h);
+    if TRIANGLES {
+        return 0.125 * (point(vertex_of(before(h))) + point(vertex_of(before(twin)))) + 0.375 * ends;
+    }
+    let beside = face_of(h);
+    let across = face_of(twin);
+    let weight = 0.5 * (face_weight(beside) + face_weight(across));
+    return (0.5 - weight) * ends + weight * (face_point(beside) + face_point(across));
+}
+
 @compute @workgroup_size(GROUP)
 fn edge(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let e = own_index(group, lane);
-    if e >= step.edges {
+    if e >= mesh.edges {
         return;
     }
-    let h = edge_halves[e];
-    let a = point(vertices[h]);
-    let b = point(vertices[next(h)]);
-    let middle = 0.5 * (a + b);
+    let h = edge_half(e);
+    let ends = point(vertex_of(h)) + point(vertex_of(next(h)));
     let s = edge_sharpness(e);
-    var weight = select(0.0, select(s, 1.0, decay(s) > 0.0), s > 0.0);
-    if twins[h] == NONE {
-        weight = 1.0;
+    let stays = child_sharpness(e, 0u) > 0.0 && child_sharpness(e, 1u) > 0.0;
+    let weight = select(0.0, select(s, 1.0, stays), s > 0.0);
+    var p = 0.5 * ends;
+    if !LINEAR && twin_of(h) != NONE && weight != 1.0 {
+        let smooth_point = smooth_edge(h, ends);
+        p = select(weight * p + (1.0 - weight) * smooth_point, smooth_point, weight == 0.0);
     }
-    var p = middle;
-    if weight != 1.0 {
-        let faces = child_point(step.vertices + h / 4u) + child_point(step.vertices + twins[h] / 4u);
-        let smooth_point = 0.25 * (a + b) + 0.25 * faces;
-        p = select(weight * middle + (1.0 - weight) * smooth_point, smooth_point, weight == 0.0);
-    }
-    put(step.vertices + step.faces + e, p);
+    put(first_edge_point() + e, p);
 }

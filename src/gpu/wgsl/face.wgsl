@@ -1,12 +1,16 @@
-// Face points: the centroid of the corners.
+// Face points: the centroid of the corners. Triangles that are split into triangles have none.
 
 @compute @workgroup_size(GROUP)
 fn face(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let f = own_index(group, lane);
-    if f >= step.faces {
+    if f >= mesh.faces {
         return;
     }
-    let h = 4u * f;
-    let sum = ((point(vertices[h]) + point(vertices[h + 1u])) + point(vertices[h + 2u])) + point(vertices[h + 3u]);
-    put(step.vertices + f, 0.25 * sum);
+    let first = first_half(f);
+    let count = corners_of(f);
+    var sum = point(vertex_of(first));
+    for (var k = 1u; k < count; k++) {
+        sum += point(vertex_of(first + k));
+    }
+    put(mesh.vertices + f, (1.0 / f32(count)) * sum);
 }

@@ -172,11 +172,15 @@ struct Outputs {
     more_padding: vec2<u32>,
 }
 
-struct Step {
+struct Mesh {
     vertices: u32,
     edges: u32,
     faces: u32,
-    padding: u32,
+    halves: u32,
+    twins: u32,
+    numbers: u32,
+    firsts: u32,
+    sharpness: u32,
 }
 
 struct Metric {

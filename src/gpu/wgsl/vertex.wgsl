@@ -1,5 +1,8 @@
 // Vertex points: the rule of the parent's sharpness, that of the child's, or a blend of both. Gathered around the vertex.
 
+// Weights of a neighbour in smooth points of triangles, by valence.
+@group(0) @binding(9) var<storage, read> neighbours: array<f32>;
+
 const SMOOTH = 0u;
 const CREASE = 2u;
 const CORNER = 3u;
@@ -9,15 +12,24 @@ fn rule(sigma: f32, sharp: u32) -> u32 {
     return select(min(sharp, CORNER), CORNER, sigma > 0.0);
 }
 
+fn smooth_vertex(x: vec3<f32>, count: u32, ends: vec3<f32>, middles: vec3<f32>) -> vec3<f32> {
+    let n = f32(count);
+    if TRIANGLES {
+        let near = neighbours[count];
+        return near * ends + (1.0 - n * near) * x;
+    }
+    return (middles + ends) / (n * n) + ((n - 2.0) / n) * x;
+}
+
 @compute @workgroup_size(GROUP)
 fn vertex(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let v = own_index(group, lane);
-    if v >= step.vertices {
+    if v >= mesh.vertices {
         return;
     }
     let x = point(v);
-    let first = firsts[v];
-    if first == NONE {
+    let first = first_around(v);
+    if LINEAR || first == NONE {
         put(v, x);
         return;
     }
@@ -39,20 +51,23 @@ fn vertex(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     var last = NONE;
     loop {
         // The edge that leaves along h; after the last face of an open fan, the one that comes in.
-        var e: u32;
+        var along = h;
         var far: vec3<f32>;
         if h != NONE {
-            e = edges[h];
-            far = point(vertices[next(h)]);
+            far = point(vertex_of(next(h)));
             ends += far;
-            middles += child_point(step.vertices + h / 4u);
+            if !TRIANGLES {
+                middles += face_point(face_of(h));
+            }
             count++;
         } else {
-            e = edges[before(last)];
-            far = point(vertices[before(last)]);
+            along = before(last);
+            far = point(vertex_of(along));
         }
+        let e = edge_of(along);
         let s = edge_sharpness(e);
-        let c = decay(s);
+        let end = start_end(along);
+        let c = child_sharpness(e, select(end, 1u - end, h == NONE));
         if s > 0.0 {
             sharp++;
             sharp_ends += far;
@@ -74,8 +89,7 @@ fn vertex(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             break;
         }
     }
-    let n = f32(count);
-    let smooth_point = (middles + ends) / (n * n) + ((n - 2.0) / n) * x;
+    let smooth_point = smooth_vertex(x, count, ends, middles);
     let own = rule(sigma, sharp);
     let later = rule(decay(sigma), still);
     var p = x;

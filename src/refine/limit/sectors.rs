@@ -117,9 +117,9 @@ pub(super) fn across(tangents: [Point; 2]) -> Option<Point> {
 
 /// Faces `first`, `first + 1`, … of a ring, `count` of them, around the end if need be.
 #[derive(Clone, Copy, Debug)]
-struct Sector {
-    first: usize,
-    count: usize,
+pub(super) struct Sector {
+    pub(super) first: usize,
+    pub(super) count: usize,
 }
 
 impl LocalRing {
@@ -196,7 +196,7 @@ impl LocalRing {
         point
     }
 
-    fn sectors(&self, linear: bool) -> Vec<Sector> {
+    pub(super) fn sectors(&self, linear: bool) -> Vec<Sector> {
         let n = self.face_count();
         let sharp = self.sharp_edges();
         let each = || (0..n).map(|first| Sector { first, count: 1 }).collect();
@@ -231,7 +231,7 @@ impl LocalRing {
         }
     }
 
-    fn tangents(&self, tables: &Tables, sector: Sector, linear: bool) -> [Point; 2] {
+    pub(super) fn tangents(&self, tables: &Tables, sector: Sector, linear: bool) -> [Point; 2] {
         let n = self.face_count();
         let (a, b) = (
             self.edge(sector.first),
@@ -259,6 +259,12 @@ impl LocalRing {
         self.tangents(tables, first, linear)
     }
 
+    /// Whether the sector of a corner may take more than half a turn: its two tangents know the plane, but not on which side of them it is.
+    /// (Two triangles never come to do so: the edge between them turns to the sum of their outer ones.)
+    pub(super) fn may_be_reflex(&self, sector: Sector) -> bool {
+        sector.count > 1 + usize::from(self.triangles)
+    }
+
     /// Sum of the face normals of a sector, each by its diagonals.
     fn face_normal(&self, sector: Sector) -> Point {
         let mut sum = [0.0; 3];
@@ -280,10 +286,8 @@ impl LocalRing {
         for _ in 0..3 {
             let at = ring.as_ref().unwrap_or(self);
             if let Some(n) = across(at.tangents(tables, sector, linear)) {
-                // Two tangents of a corner know its plane, but not which side of a reflex angle is the sector. (Two triangles never come
-                // to lie in one: the edge between them turns to the sum of their outer ones.)
                 let flip = at.rule() == Rule::Corner
-                    && sector.count > 1 + usize::from(at.triangles)
+                    && at.may_be_reflex(sector)
                     && dot(&n, &at.face_normal(sector)) < 0.0;
                 return if flip { n.map(|c| -c) } else { n };
             }
