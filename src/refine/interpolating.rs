@@ -61,6 +61,8 @@ pub(crate) struct Sheets<'a, T, R, const N: usize> {
     /// Values where corners disagree, sorted; those that are corners end their curves.
     siblings: &'a [Sibling],
     linear: Linear,
+    /// Whether edges of two faces may be cut: values of vertices agree on both sides.
+    cuts: bool,
     computed: PhantomData<R>,
 }
 
@@ -74,6 +76,7 @@ impl<'a, T: Real, R: Real, const N: usize> Sheets<'a, T, R, N> {
             values,
             siblings: &[],
             linear: Linear::Never,
+            cuts: !step.topology.edge_sharpness.is_empty(),
             computed: PhantomData,
         }
     }
@@ -94,6 +97,7 @@ impl<'a, T: Real, R: Real, const N: usize> Sheets<'a, T, R, N> {
             values,
             siblings,
             linear,
+            cuts: true,
             computed: PhantomData,
         }
     }
@@ -114,8 +118,8 @@ impl<'a, T: Real, R: Real, const N: usize> Sheets<'a, T, R, N> {
     pub(crate) fn twin(&self, h: u32) -> u32 {
         let t = self.step.topology;
         let g = t.twin(h);
-        if g == NONE {
-            return NONE;
+        if g == NONE || !self.cuts {
+            return g;
         }
         let joined = self.index[h as usize] == self.index[t.next(g) as usize]
             && self.index[t.next(h) as usize] == self.index[g as usize]

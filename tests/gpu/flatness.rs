@@ -171,15 +171,18 @@ fn blocks_are_the_processors() {
     let thorough = std::env::var_os("EARMARK_THOROUGH").is_some();
     let (mut run, mut left_out, mut faces) = (0, 0, 0);
     let [mut near, mut flat, mut outside] = [0; 3];
-    for path in models() {
+    for (number, path) in models().into_iter().enumerate() {
         let name = crate::common::name(&path);
         let scene = plain(crate::common::load(&path));
         let surface = &scene.objects[0].surface;
         if scene.objects.len() > 1 || surface.scheme() != Scheme::CatmullClark {
             continue;
         }
-        for (view, camera) in cameras() {
-            if !thorough && matches!(view, "far" | "ortho") {
+        let cameras = cameras();
+        let count = cameras.len();
+        for (k, (view, camera)) in cameras.into_iter().enumerate() {
+            // Two views of each model, and all views of some.
+            if !thorough && (k + number) % count > 1 {
                 continue;
             }
             let what = format!("{name}_{view}");
@@ -210,7 +213,7 @@ fn blocks_are_the_processors() {
     println!(
         "gpu flatness: {run} cases, {left_out} left out, {faces} faces, {near} of them near a tolerance, {flat} at flat corners; {outside} partly beyond the picture"
     );
-    assert!(run > 20 || thorough && run > 0);
+    assert!(run > 15 || thorough && run > 0);
 }
 
 /// Directed segments of the rims of all blocks, those that cancel left out.
