@@ -3,6 +3,7 @@
 //! Halstead, Kass, DeRose, *Efficient, fair interpolation using Catmull-Clark surfaces*, 1993, for the interior; the second tangent of a
 //! boundary is the exact left eigenvector of its rule, which for three or more faces differs from the usual one.
 
+use crate::math;
 use crate::topology::{Fan, FanRule, NONE, Topology};
 use std::collections::BTreeMap;
 
@@ -70,6 +71,17 @@ impl TangentMasks {
     pub(super) fn of(&self, fan: &Fan) -> Option<&TangentMask> {
         self.0.get(&(fan.closed, fan.faces))
     }
+}
+
+/// Tangents at the corner that half-edge `h` begins with where its fan [is flat](Fan::is_flat): those of the mask of a boundary with one face,
+/// along the crease and of its second difference. Refinement halves the first and quarters the second, of quads as of triangles.
+pub(crate) fn flat_tangents(t: &Topology, points: &[[f32; 3]], h: u32) -> Option<[[f32; 3]; 2]> {
+    if !t.fans()[t.fan(h) as usize].is_flat() {
+        return None;
+    }
+    let [own, next, before] = [h, t.next(h), t.prev(h)].map(|h| points[t.vertex(h) as usize]);
+    let side = |p: [f32; 3]| math::sub(p, own);
+    Some([math::sub(next, before), math::add(side(next), side(before))])
 }
 
 /// Subdominant eigenvalue of the sector angle `cos`, `cos_half`, and the weight of face points against edge points.

@@ -62,7 +62,6 @@ mod bands;
 #[cfg(feature = "gpu")]
 mod chunk;
 #[cfg(feature = "gpu")]
-mod corners;
 #[cfg(feature = "gpu")]
 mod decided;
 #[cfg(feature = "gpu")]

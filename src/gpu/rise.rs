@@ -98,6 +98,11 @@ impl Builder {
             self.lift(dicer, of, None);
             return Ok(());
         };
+        if dicer.lifts_patches() {
+            let curves = self.mitred_corners(dicer, &mitred)?;
+            self.lift(dicer, of, Some(Mitre::Curves(&curves)));
+            return Ok(());
+        }
         let count = dicer.corner_count();
         let mut places = Vec::new();
         for h in mitred {

@@ -53,8 +53,28 @@ pub const PATCH_DRAWN: u32 = 32;
 pub const PATCH_SPLIT: u32 = 64;
 /// Mark of an [`Edge`](super::records::Edge) that runs against the side of its second face.
 pub const EDGE_BACK: u32 = 16;
-/// Words of a face's quadtree: the number of its nodes, and as many as there can be, of three depths below the face.
-pub(super) const NODE_WORDS: u32 = 1 + 85;
+/// Depths of the squares below a face that the device makes blocks of.
+pub(super) const TREE_DEPTH: u32 = numbers::RESAMPLED;
+/// Words of a face's quadtree: the number of its nodes, and as many as there can be.
+pub(super) const NODE_WORDS: u32 = 1 + squares(TREE_DEPTH);
+/// The finest level whose samples are kept: those of the next lie between them.
+const KEPT: u32 = BLOCK_BITS - 1;
+/// Squares around each other that are measured one after the other: the face, then quarters at a corner.
+const NESTED: u32 = BLOCK_BITS - numbers::TRUSTED + 1;
+
+// Cells of the last step are quarters of the smallest squares; nodes have two bits for their depth and three for a place and a level.
+const _: () = assert!(KEPT == TREE_DEPTH + 1 && TREE_DEPTH <= 3 && BLOCK_BITS <= 7);
+
+/// Squares of a quadtree down to a depth.
+const fn squares(depth: u32) -> u32 {
+    ((1 << (2 * depth + 2)) - 1) / 3
+}
+
+/// Squares of all that are nested; each reaches a depth less far than the one around it.
+fn nested_squares() -> u32 {
+    (0..NESTED).map(|number| squares(KEPT - number)).sum()
+}
+
 /// Triangles whose normals may be further off where samples ask for more levels than there are, in pixels.
 const FEW_PIXELS: f32 = 4.0;
 /// Where counts of a chunk stand whose blocks the device decides: blocks that are drawn, all of them, their points, moved points, micro-quads.
@@ -134,6 +154,12 @@ fn numbers() -> String {
         ("PATCH_SPLIT", PATCH_SPLIT),
         ("EDGE_BACK", EDGE_BACK),
         ("NODE_WORDS", NODE_WORDS),
+        ("TREE_DEPTH", TREE_DEPTH),
+        ("SQUARES", squares(TREE_DEPTH)),
+        ("KEPT", KEPT),
+        ("CELLS", squares(KEPT)),
+        ("NESTED", NESTED),
+        ("NEEDS", nested_squares()),
         ("PART", PART),
         ("TOTAL_DRAWN", TOTAL_DRAWN),
         ("TOTAL_BLOCKS", TOTAL_BLOCKS),
@@ -147,7 +173,6 @@ fn numbers() -> String {
         ("UNEVEN_STEPS", numbers::UNEVEN_STEPS),
         ("DEEPER", numbers::DEEPER),
         ("OVERHEAD", numbers::OVERHEAD),
-        ("RESAMPLED", numbers::RESAMPLED),
         ("STILL", STILL),
         ("MAP", MAP),
         ("NOISE", NOISE),

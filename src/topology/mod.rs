@@ -69,6 +69,11 @@ impl Fan {
             FanRule::Corner => self.faces == 1 && !self.closed,
         }
     }
+
+    /// Whether one face lies between two sides of one smooth crease: both of its derivatives run along that there.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.faces == 1 && !self.closed && self.rule == FanRule::Crease
+    }
 }
 
 /// Connectivity of a polygon mesh.

@@ -66,7 +66,23 @@ fn linear_of(c: &[[f32; 3]; 4], triangle: bool, [s, t]: [f32; 2]) -> Derivatives
     Derivatives {
         du,
         dv,
-        second: Default::default(),
+        ..Derivatives::default()
+    }
+}
+
+/// What normals at a corner are made of, from the derivatives of the surface and of texture coordinates: where the surface has tangents of its own,
+/// by those. Coordinates that are cut otherwise there change along the derivatives, which have one direction: then what they move stands
+/// upright, as those say.
+pub(super) fn at_corner(found: Derivatives, by: Option<Derivatives>) -> [Derivatives; 2] {
+    let first = |[du, dv]: [[f32; 3]; 2]| Derivatives {
+        du,
+        dv,
+        ..Derivatives::default()
+    };
+    match (found.flat, by) {
+        (Some(own), None) => [first(own), Derivatives::default()],
+        (Some(own), Some(Derivatives { flat: Some(of), .. })) => [first(own), first(of)],
+        (_, by) => [found, by.unwrap_or_default()],
     }
 }
 
@@ -98,7 +114,7 @@ pub(super) fn differences(layout: Layout, grid: &Grid3, j: usize, out: &mut Jets
         let found = Derivatives {
             du: between(get(i0, j), get(i1, j), i1 - i0),
             dv: between(get(i, j0), get(i, j1), j1 - j0),
-            second: Default::default(),
+            ..Derivatives::default()
         };
         found.put::<2>(out, layout.place([i, j]));
     }
