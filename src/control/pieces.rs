@@ -30,8 +30,13 @@ pub trait Pieces {
     fn prepare(&mut self, channel: Self::Channel<'_>, face: u32);
     fn at<const ORDER: u32>(&mut self, channel: Self::Channel<'_>, u: f32, v: f32) -> Place;
 
-    /// Tangents at corner `c` of a face that lies between two sides of one smooth crease; nothing at others.
-    fn flat_tangents(channel: Self::Channel<'_>, face: u32, c: usize) -> Option<[[f32; 3]; 2]>;
+    /// Tangents at corner `c` of a face where both derivatives have one direction; nothing at others. Parameters run `scale` times as fast.
+    fn flat_tangents(
+        channel: Self::Channel<'_>,
+        face: u32,
+        c: usize,
+        scale: f32,
+    ) -> Option<[[f32; 3]; 2]>;
 }
 
 /// How many levels a tree has that goes on below a face at a feature at `depth`, where another ends. Beyond the last level darts alone go on,
@@ -76,8 +81,13 @@ impl Pieces for QuadEvaluator {
     fn at<const ORDER: u32>(&mut self, channel: Channel<'_>, u: f32, v: f32) -> Place {
         self.at::<ORDER>(channel, u, v)
     }
-    fn flat_tangents(channel: Channel<'_>, face: u32, c: usize) -> Option<[[f32; 3]; 2]> {
-        flat_tangents(channel.topology, channel.points, 4 * face + c as u32)
+    fn flat_tangents(
+        channel: Channel<'_>,
+        face: u32,
+        c: usize,
+        scale: f32,
+    ) -> Option<[[f32; 3]; 2]> {
+        flat_tangents(channel.topology, channel.points, 4 * face + c as u32, scale)
     }
 }
 
@@ -108,7 +118,12 @@ impl Pieces for TriangleEvaluator {
     fn at<const ORDER: u32>(&mut self, channel: TriangleChannel<'_>, u: f32, v: f32) -> Place {
         self.at::<ORDER>(channel, u, v)
     }
-    fn flat_tangents(channel: TriangleChannel<'_>, face: u32, c: usize) -> Option<[[f32; 3]; 2]> {
-        flat_tangents(channel.topology, channel.points, 3 * face + c as u32)
+    fn flat_tangents(
+        channel: TriangleChannel<'_>,
+        face: u32,
+        c: usize,
+        scale: f32,
+    ) -> Option<[[f32; 3]; 2]> {
+        flat_tangents(channel.topology, channel.points, 3 * face + c as u32, scale)
     }
 }

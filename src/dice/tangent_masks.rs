@@ -73,15 +73,30 @@ impl TangentMasks {
     }
 }
 
-/// Tangents at the corner that half-edge `h` begins with where its fan [is flat](Fan::is_flat): those of the mask of a boundary with one face,
-/// along the crease and of its second difference. Refinement halves the first and quarters the second, of quads as of triangles.
-pub(crate) fn flat_tangents(t: &Topology, points: &[[f32; 3]], h: u32) -> Option<[[f32; 3]; 2]> {
-    if !t.fans()[t.fan(h) as usize].is_flat() {
+/// Tangents at the corner that half-edge `h` begins with where its fan [is flat](Fan::is_flat), in a mesh that was refined until parameters run
+/// `scale` times as fast: those of the masks. Of one face, of quads or triangles, they are along the crease and its second difference; of two
+/// quads from side to side and across. Refinement halves the first, and quarters all others.
+pub(crate) fn flat_tangents(
+    t: &Topology,
+    points: &[[f32; 3]],
+    h: u32,
+    scale: f32,
+) -> Option<[[f32; 3]; 2]> {
+    let fan = t.fans()[t.fan(h) as usize];
+    if !fan.is_flat() {
         return None;
     }
-    let [own, next, before] = [h, t.next(h), t.prev(h)].map(|h| points[t.vertex(h) as usize]);
-    let side = |p: [f32; 3]| math::sub(p, own);
-    Some([math::sub(next, before), math::add(side(next), side(before))])
+    let at = |h: u32| points[t.vertex(h) as usize];
+    let along = math::sub(at(t.next(h)), at(t.prev(h)));
+    let square = scale * scale;
+    if fan.closed {
+        let far = |h: u32| at(t.next(t.next(h)));
+        let across = math::sub(far(h), far(t.rotate(h)));
+        return Some([math::scale(along, square), math::scale(across, square)]);
+    }
+    let side = |end: u32| math::sub(at(end), at(h));
+    let bend = math::add(side(t.next(h)), side(t.prev(h)));
+    Some([math::scale(along, scale), math::scale(bend, square)])
 }
 
 /// Subdominant eigenvalue of the sector angle `cos`, `cos_half`, and the weight of face points against edge points.

@@ -101,6 +101,7 @@ mod read_back;
 #[cfg(feature = "gpu")]
 mod ready;
 #[cfg(feature = "gpu")]
+mod rings;
 mod rise;
 #[cfg(feature = "gpu")]
 mod room;

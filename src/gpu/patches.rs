@@ -91,6 +91,7 @@ impl Builder {
         }
         let position = self.base_place(dicer, owners.position, 0)?;
         let normal = self.base_place(dicer, owners.normal, 0)?;
+        let normal = self.corner_normal(dicer, h, normal);
         let at = self.base_spot(dicer, [position, normal]);
         self.there.base_corners.insert(owners.normal, at);
         Ok(at)

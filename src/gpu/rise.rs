@@ -107,7 +107,8 @@ impl Builder {
         let mut places = Vec::new();
         for h in mitred {
             let at = dicer.along(h % count, 0, 1);
-            places.push(self.place(dicer, h / count, at, 0)?);
+            let place = self.place(dicer, h / count, at, 0)?;
+            places.push(self.corner_normal(dicer, h, place));
         }
         self.lift(dicer, of, Some(Mitre::Places(&places)));
         Ok(())

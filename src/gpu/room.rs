@@ -120,6 +120,7 @@ impl Builder {
             }
         }
         for h in whole.face_halves(blocks[0].quad) {
+            gathers += 4 * dicer.ring_words(h);
             // Mitres, a stencil and a place for each, or a curve.
             let around = dicer.mitred(h);
             let points = 1_u64 << dicer.side_level(h)?;

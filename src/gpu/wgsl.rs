@@ -34,6 +34,18 @@ pub const QAS: u32 = 1;
 /// Kind of a chunk of curved PN triangles.
 pub const PN: u32 = 2;
 
+/// In place of a point of a table, of a normal that is made of the ring around a corner (`rings`).
+pub const RINGED: u32 = u32::MAX - 1;
+/// How: across the two ends of the ring, as the mean of its faces' normals, or as its area. The last bit says that two ends may enclose more
+/// than half a turn.
+pub const RING_ENDS: u32 = 0;
+/// See above.
+pub const RING_MEAN: u32 = 1;
+/// See above.
+pub const RING_AREA: u32 = 2;
+/// See above.
+pub const RING_REFLEX: u32 = 4;
+
 /// [`Rise::shape`](super::records::Rise::shape) of what is not displaced.
 pub const STILL: u32 = 0;
 /// Of a map.
@@ -173,6 +185,10 @@ fn numbers() -> String {
         ("UNEVEN_STEPS", numbers::UNEVEN_STEPS),
         ("DEEPER", numbers::DEEPER),
         ("OVERHEAD", numbers::OVERHEAD),
+        ("RINGED", RINGED),
+        ("RING_ENDS", RING_ENDS),
+        ("RING_MEAN", RING_MEAN),
+        ("RING_REFLEX", RING_REFLEX),
         ("STILL", STILL),
         ("MAP", MAP),
         ("NOISE", NOISE),
@@ -277,6 +293,7 @@ pub fn dice(variant: Variant) -> Source {
         HEIGHT,
         include_str!("wgsl/displace.wgsl"),
         include_str!("wgsl/patch.wgsl"),
+        include_str!("wgsl/rings.wgsl"),
         include_str!("wgsl/sides.wgsl"),
         include_str!("wgsl/dice.wgsl"),
     ];

@@ -2,14 +2,13 @@
 
 use super::Surface;
 #[cfg(feature = "gpu")]
-use super::displaced::linear_derivatives;
+use super::displaced::{linear_derivatives, upright};
 use crate::control::{Kind, Pieces, TreeChannel, levels_beyond};
 use crate::dice::MAX_LEVEL;
 use crate::dice::evaluate::{Jet, Leaf, Place, QuadEvaluator, Row};
 use crate::dice::face::Part;
 use crate::dice::triangle::{JetLines, TriangleChannel, TriangleEvaluator};
 use crate::displace;
-use crate::math;
 use crate::records::BLOCK_STRIDE;
 use crate::simd::Level;
 use std::ops::Range;
@@ -20,7 +19,7 @@ pub(super) struct Derivatives {
     pub(super) du: [f32; 3],
     pub(super) dv: [f32; 3],
     pub(super) second: [[f32; 3]; 3],
-    /// At a corner between two sides of one smooth crease, along which both derivatives run, the tangents of the surface: derivatives by
+    /// At a [flat corner](crate::topology::Fan::is_flat), where both derivatives have one direction, the tangents of the surface: derivatives by
     /// parameters of their own, the same for all channels.
     pub(super) flat: Option<[[f32; 3]; 2]>,
 }
@@ -287,7 +286,7 @@ impl<'a> PlaceJets<'a> {
         Some([du, dv, uu, uv, vv])
     }
 
-    /// The tangents at a corner of a quad where both derivatives run along one smooth crease; nothing at other places.
+    /// The tangents at a corner of a quad where both derivatives have one direction; nothing at other places.
     pub(crate) fn flat(&mut self, q: u32, at: [f32; 2]) -> Option<[[f32; 3]; 2]> {
         self.flat_ways(q, at)?.flat
     }
@@ -312,27 +311,12 @@ impl<'a> PlaceJets<'a> {
             true => linear_derivatives(surface, q, surface.triangles, at),
             false => (self.uvs).at::<1>(surface, Kind::Uvs, q, at)?,
         };
-        let mut by = [found.du, found.dv];
-        if let Some(ways) = self.flat_ways(q, at) {
-            by = found.flat.unwrap_or_else(|| upright(&ways, by));
-        }
+        let by = match self.flat_ways(q, at) {
+            Some(ways) => found.flat.unwrap_or_else(|| upright(&ways, &found)),
+            None => [found.du, found.dv],
+        };
         Some(by.map(|[u, v, _]| [u, v]))
     }
-}
-
-/// Derivatives of what changes along both parameters of a flat corner, by those of its tangents: along the first, and across without moving,
-/// which is more of anything than along the second.
-#[cfg(feature = "gpu")]
-fn upright(ways: &Derivatives, by: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
-    const MORE: f32 = (1 << 20) as f32;
-    let Some([along, _]) = ways.flat else {
-        return by;
-    };
-    let square = math::dot(along, along);
-    let [a, b] = [ways.du, ways.dv].map(|d| math::dot(d, along) / square);
-    let both = a * a + b * b;
-    let mix = |s: f32, t: f32| math::add(math::scale(by[0], s), math::scale(by[1], t));
-    [mix(a / both, b / both), mix(-b * MORE, a * MORE)]
 }
 
 /// A place of a face, of the surface or where a tree goes on below one.
@@ -392,9 +376,7 @@ fn below_face<'a, P: Pieces, const ORDER: u32>(
     let found = patches.at::<ORDER>(leaf.channel, leaf.at[0], leaf.at[1]);
     let mut out = derivatives::<ORDER>(found, scale, tip);
     if let Place::Corner(_, c) = found {
-        // Every level halves the first and quarters the second.
-        out.flat = P::flat_tangents(leaf.channel, leaf.quad, c)
-            .map(|[a, b]| [math::scale(a, scale), math::scale(b, scale * scale)]);
+        out.flat = P::flat_tangents(leaf.channel, leaf.quad, c, scale);
     }
     out
 }

@@ -70,9 +70,14 @@ impl Fan {
         }
     }
 
-    /// Whether one face lies between two sides of one smooth crease: both of its derivatives run along that there.
+    /// Whether both derivatives of a face have one direction there: of one face between two sides of one smooth crease, which both run along
+    /// that, and of two faces around a vertex, whose two sides run on into each other.
     pub(crate) fn is_flat(&self) -> bool {
-        self.faces == 1 && !self.closed && self.rule == FanRule::Crease
+        match self.rule {
+            FanRule::Smooth => self.faces == 2 && self.closed,
+            FanRule::Crease => self.faces == 1 && !self.closed,
+            FanRule::Corner => false,
+        }
     }
 }
 

@@ -186,7 +186,7 @@ impl Surface {
         self.set_displacement(displacement);
     }
 
-    /// Whether both derivatives at the corner that half-edge `h` begins with run along one smooth crease.
+    /// Whether both derivatives at the corner that half-edge `h` begins with have one direction.
     pub(in crate::surface) fn is_flat_corner(&self, h: u32) -> bool {
         let t = self.quads();
         t.fans()[t.fan(h) as usize].is_flat()
