@@ -207,7 +207,7 @@ fn corners_between_two_sides_of_a_smooth_crease_are_tilted() {
     };
     for scheme in [Scheme::CatmullClark, Scheme::Loop] {
         let mut surface = disc(scheme, FaceVaryingRule::None);
-        surface.set_displacement(Some(Displacement::function(function.clone()).scaled(0.5)));
+        surface.set_displacement(Some(Displacement::function(function).scaled(0.5)));
         let grid = surface.dice(0, 2);
         for (p, &n) in grid.points.iter().zip(&grid.normals) {
             let gradient = [0, 1].map(|k| 0.5 * slope(*p, k));
