@@ -102,6 +102,7 @@ mod read_back;
 mod ready;
 #[cfg(feature = "gpu")]
 mod rings;
+#[cfg(feature = "gpu")]
 mod rise;
 #[cfg(feature = "gpu")]
 mod room;
