@@ -6,6 +6,8 @@
 #![allow(clippy::print_stdout)]
 
 mod common;
+#[path = "gpu/corners.rs"]
+mod corners;
 #[path = "golden/displaced.rs"]
 mod displaced;
 #[path = "gpu/flatness.rs"]

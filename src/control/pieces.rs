@@ -5,6 +5,7 @@ use crate::dice::MAX_LEVEL;
 use crate::dice::control::Descend;
 use crate::dice::evaluate::{self, Leaf, Place, QuadEvaluator};
 use crate::dice::face::Channel;
+use crate::dice::tangent_masks::flat_tangents;
 use crate::dice::triangle::{DescendTriangles, TriangleChannel, TriangleEvaluator, leaf};
 
 /// The evaluator of one kind of faces, and how it finds the patch at a place.
@@ -28,6 +29,14 @@ pub trait Pieces {
 
     fn prepare(&mut self, channel: Self::Channel<'_>, face: u32);
     fn at<const ORDER: u32>(&mut self, channel: Self::Channel<'_>, u: f32, v: f32) -> Place;
+
+    /// Tangents at corner `c` of a face where both derivatives have one direction; nothing at others. Parameters run `scale` times as fast.
+    fn flat_tangents(
+        channel: Self::Channel<'_>,
+        face: u32,
+        c: usize,
+        scale: f32,
+    ) -> Option<[[f32; 3]; 2]>;
 }
 
 /// How many levels a tree has that goes on below a face at a feature at `depth`, where another ends. Beyond the last level darts alone go on,
@@ -72,6 +81,14 @@ impl Pieces for QuadEvaluator {
     fn at<const ORDER: u32>(&mut self, channel: Channel<'_>, u: f32, v: f32) -> Place {
         self.at::<ORDER>(channel, u, v)
     }
+    fn flat_tangents(
+        channel: Channel<'_>,
+        face: u32,
+        c: usize,
+        scale: f32,
+    ) -> Option<[[f32; 3]; 2]> {
+        flat_tangents(channel.topology, channel.points, 4 * face + c as u32, scale)
+    }
 }
 
 impl Pieces for TriangleEvaluator {
@@ -100,5 +117,13 @@ impl Pieces for TriangleEvaluator {
     #[inline(always)]
     fn at<const ORDER: u32>(&mut self, channel: TriangleChannel<'_>, u: f32, v: f32) -> Place {
         self.at::<ORDER>(channel, u, v)
+    }
+    fn flat_tangents(
+        channel: TriangleChannel<'_>,
+        face: u32,
+        c: usize,
+        scale: f32,
+    ) -> Option<[[f32; 3]; 2]> {
+        flat_tangents(channel.topology, channel.points, 3 * face + c as u32, scale)
     }
 }

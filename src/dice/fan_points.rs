@@ -314,6 +314,24 @@ fn refined_fan(t: &Topology, id: u32, points: &[[f32; 3]], steps: u32) -> [f32; 
     (0..steps).fold(P4::ZERO, |_, _| s.step()).xyz()
 }
 
+/// Tangents that cancel to rounding have no direction: compared with the size of what was summed.
+fn are_parallel([a, b]: [V3; 2]) -> bool {
+    let size = |v: V3| v[0].abs().max(v[1].abs()).max(v[2].abs());
+    size(cross(a, b)) <= 1e-10 * (size(a) * size(b))
+}
+
+/// Whether the tangents of a fan that is no corner have one direction, or none: its normal is then that of its ring.
+#[cfg(feature = "gpu")]
+pub(crate) fn has_no_plane(
+    t: &Topology,
+    masks: &TangentMasks,
+    points: &[[f32; 3]],
+    id: u32,
+) -> bool {
+    let fan = t.fans()[id as usize];
+    are_parallel(ring_sums(t, &fan, points, masks.of(&fan)).tangents)
+}
+
 fn evaluate_fan(
     t: &Topology,
     masks: &TangentMasks,
@@ -351,14 +369,15 @@ fn evaluate_fan(
         return (limit, [0.0; 3]);
     }
     let normal = match fan.rule {
-        FanRule::Corner if fan.faces == 1 => cross(s.ends[0], s.ends[1]),
-        FanRule::Corner => ring_area(t, &fan, points),
+        // Two ends know the plane, but not which side of a reflex angle the faces are on.
+        FanRule::Corner => {
+            let (ends, area) = (cross(s.ends[0], s.ends[1]), ring_area(t, &fan, points));
+            let along = (ends[0] * area[0] + ends[1] * area[1]) + ends[2] * area[2];
+            ends.map(|c| if along < 0.0 { -c } else { c })
+        }
         _ => cross(s.tangents[0], s.tangents[1]),
     };
-    // Tangents that cancel to rounding have no direction: compare with the size of what was summed.
-    let size = |v: V3| v[0].abs().max(v[1].abs()).max(v[2].abs());
-    let scale = size(s.tangents[0]) * size(s.tangents[1]);
-    let flat = fan.rule != FanRule::Corner && size(normal) <= 1e-10 * scale;
+    let flat = fan.rule != FanRule::Corner && are_parallel(s.tangents);
     let chosen = if flat { None } else { unit(normal) };
     let n = chosen
         .or_else(|| unit(ring_area(t, &fan, points)))

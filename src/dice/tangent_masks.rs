@@ -3,6 +3,7 @@
 //! Halstead, Kass, DeRose, *Efficient, fair interpolation using Catmull-Clark surfaces*, 1993, for the interior; the second tangent of a
 //! boundary is the exact left eigenvector of its rule, which for three or more faces differs from the usual one.
 
+use crate::math;
 use crate::topology::{Fan, FanRule, NONE, Topology};
 use std::collections::BTreeMap;
 
@@ -70,6 +71,32 @@ impl TangentMasks {
     pub(super) fn of(&self, fan: &Fan) -> Option<&TangentMask> {
         self.0.get(&(fan.closed, fan.faces))
     }
+}
+
+/// Tangents at the corner that half-edge `h` begins with where its fan [is flat](Fan::is_flat), in a mesh that was refined until parameters run
+/// `scale` times as fast: those of the masks. Of one face, of quads or triangles, they are along the crease and its second difference; of two
+/// quads from side to side and across. Refinement halves the first, and quarters all others.
+pub(crate) fn flat_tangents(
+    t: &Topology,
+    points: &[[f32; 3]],
+    h: u32,
+    scale: f32,
+) -> Option<[[f32; 3]; 2]> {
+    let fan = t.fans()[t.fan(h) as usize];
+    if !fan.is_flat() {
+        return None;
+    }
+    let at = |h: u32| points[t.vertex(h) as usize];
+    let along = math::sub(at(t.next(h)), at(t.prev(h)));
+    let square = scale * scale;
+    if fan.closed {
+        let far = |h: u32| at(t.next(t.next(h)));
+        let across = math::sub(far(h), far(t.rotate(h)));
+        return Some([math::scale(along, square), math::scale(across, square)]);
+    }
+    let side = |end: u32| math::sub(at(end), at(h));
+    let bend = math::add(side(t.next(h)), side(t.prev(h)));
+    Some([math::scale(along, scale), math::scale(bend, square)])
 }
 
 /// Subdominant eigenvalue of the sector angle `cos`, `cos_half`, and the weight of face points against edge points.

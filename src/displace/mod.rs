@@ -10,8 +10,9 @@
 //!
 //! * **Texture coordinates**, and with them the height, are those of the edge's first half-edge; at a corner, of the first half-edge
 //!   around the vertex. Seams do not open, whatever the map holds on their two sides.
-//! * **Direction**: at infinite creases the mitre of the normals of all sides, the vector m with `m · n = 1` for every one of two normals n
-//!   (no longer than 2), so that a constant height keeps flat sides flat and creases where their offsets meet.
+//! * **Direction**: the normal of what is drawn, the limit surface or its patches; at infinite creases the mitre of the normals of all sides,
+//!   the vector m with `m · n = 1` for every one of two normals n (no longer than 2), so that a constant height keeps flat sides flat and
+//!   creases where their offsets meet.
 //! * **Normal**: from the derivatives of the owner's face, and so the same from all faces of a smooth edge. Each side of a crease has its own.
 //! * Where more than two faces share an edge, and at vertices where the surface hangs together by a point, nothing moves.
 

@@ -2,7 +2,8 @@
 //!
 //! With limit point `p`, unit normal `n` and height `h`, the displaced surface is `p + h n`. Its tangents are `p_u + h_u n + h n_u` and the
 //! like by v, where `n_u` and `n_v` follow from the second derivatives of the limit surface (the equations of Weingarten). So the normal is
-//! exact wherever the limit surface has second derivatives; where it has none, at irregular vertices, it counts as flat there.
+//! exact wherever the limit surface has second derivatives; where it has none, at irregular vertices, it counts as flat there. Where both
+//! tangents have one direction nothing follows; corners of that kind have others (`surface::displaced`).
 
 use crate::math;
 

@@ -7,7 +7,9 @@ use super::plan::{ObjectPlan, Plan, check};
 use super::records::{Block, Edge, Move, POINT_FLOATS, Patch, Record, Room, Spot};
 use super::surroundings::Surroundings;
 use super::tables::Table;
-use super::wgsl::{BLOCK_BITS, EDGE_BACK, NODE_WORDS, PART, PATCH_DRAWN, PATCH_PLAIN, PATCH_SPLIT};
+use super::wgsl::{
+    BLOCK_BITS, EDGE_BACK, NODE_WORDS, PART, PATCH_DRAWN, PATCH_PLAIN, PATCH_SPLIT, TREE_DEPTH,
+};
 use crate::dice::MAX_LEVEL;
 use crate::dice::face::Sides;
 use crate::frame::{Renderer, Scene};
@@ -21,11 +23,11 @@ use crate::topology::NONE;
 /// Level of all of its places: that of the deepest blocks that the device decides on.
 pub(super) const REACH: u32 = BLOCK_BITS;
 
-/// Most blocks of a face: of the smallest, three depths below it.
-const MOST_BLOCKS: u64 = 64;
+/// Most blocks of a face: of the smallest.
+const MOST_BLOCKS: u64 = 1 << (2 * TREE_DEPTH);
 
 /// Points of such a block.
-const BLOCK_POINTS: u64 = ((1 << (REACH - 3)) + 1) * ((1 << (REACH - 3)) + 1);
+const BLOCK_POINTS: u64 = ((1 << (REACH - TREE_DEPTH)) + 1) * ((1 << (REACH - TREE_DEPTH)) + 1);
 
 /// Bytes that a face takes beside its weights, roughly.
 const FACE_BYTES: u128 = 512;

@@ -3,6 +3,7 @@
 use super::error::GpuError;
 use super::plan::ObjectPlan;
 use super::records::Rise;
+use super::rings::{Rings, rings};
 use super::surroundings::Places;
 use super::tables::Table;
 use super::uv_tables::UvTable;
@@ -53,6 +54,8 @@ pub(super) struct Dicer<'a> {
     /// Per drawn face the number of its table of colours, where that is not the one of its points.
     pub(super) color_numbers: HashMap<u32, u32>,
     pub(super) color_tables: Vec<Table>,
+    /// Of corners whose normals are made of what is around them.
+    pub(super) rings: Rings,
     /// Per face of the cage that is drawn, its deepest level.
     pub(super) drawn_levels: HashMap<u32, u32>,
     /// Per edge of the whole quads, the level of the points on it; [`NONE`] where nothing is drawn.
@@ -156,6 +159,7 @@ impl<'a> Dicer<'a> {
             own_colors: false,
             color_numbers: HashMap::new(),
             color_tables: Vec::new(),
+            rings: Rings::new(),
             drawn_levels: HashMap::new(),
             // Control points come first, so a place after them is above this product.
             colors: match surface.cage().colors().is_empty() {
@@ -180,6 +184,7 @@ impl<'a> Dicer<'a> {
         if !has_tables {
             return Ok(dicer);
         }
+        dicer.rings = rings(surface);
         dicer.make_tables(&needs, drawing, plan.flatness.is_some(), budget)?;
         Ok(dicer)
     }

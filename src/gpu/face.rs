@@ -202,6 +202,14 @@ impl Builder {
         };
         let (p, n) = (of(owners.position)?, of(dicer.evaluated(owners))?);
         let curve = self.corner_curve(dicer, h, owners)?;
+        let n = match curve.is_none() && dicer.shown != Shown::Pn {
+            true => self.corner_normal(dicer, h, n),
+            false => n,
+        };
+        if curve.is_some() {
+            let mitred = dicer.surface.mitred_corner(h).unwrap_or_default();
+            self.mitred_corners(dicer, &mitred)?;
+        }
         let at = self.data.spots.len() as u32;
         self.data.spots.push(spot([p, n]));
         if dicer.is_displaced() {

@@ -62,7 +62,6 @@ mod bands;
 #[cfg(feature = "gpu")]
 mod chunk;
 #[cfg(feature = "gpu")]
-mod corners;
 #[cfg(feature = "gpu")]
 mod decided;
 #[cfg(feature = "gpu")]
@@ -101,6 +100,8 @@ mod polygon;
 mod read_back;
 #[cfg(feature = "gpu")]
 mod ready;
+#[cfg(feature = "gpu")]
+mod rings;
 #[cfg(feature = "gpu")]
 mod rise;
 #[cfg(feature = "gpu")]

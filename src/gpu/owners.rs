@@ -13,6 +13,17 @@ pub(super) struct Owners {
     pub(super) jet: u32,
 }
 
+impl Owners {
+    /// A half-edge's own face alone.
+    pub(super) fn own(h: u32) -> Self {
+        Self {
+            position: h,
+            normal: h,
+            jet: h,
+        }
+    }
+}
+
 impl Dicer<'_> {
     /// Whose points a side has: those of the edge's first half-edge; normals are one's own along creases and borders.
     pub(super) fn side_owners(&self, h: u32) -> Owners {

@@ -91,6 +91,7 @@ impl Builder {
         }
         let position = self.base_place(dicer, owners.position, 0)?;
         let normal = self.base_place(dicer, owners.normal, 0)?;
+        let normal = self.corner_normal(dicer, h, normal);
         let at = self.base_spot(dicer, [position, normal]);
         self.there.base_corners.insert(owners.normal, at);
         Ok(at)
@@ -152,7 +153,20 @@ impl Builder {
         })))
     }
 
-    /// The curves whose normals those of a side's points are mitres of.
+    /// The curves whose normals that of a corner is the mitre of. What they run through has to be there before the spot of the corner.
+    pub(super) fn mitred_corners(
+        &mut self,
+        dicer: &Dicer<'_>,
+        mitred: &[u32],
+    ) -> Result<Vec<Curve>, GpuError> {
+        let mut out = Vec::new();
+        for &h in mitred {
+            out.extend(self.corner_curve(dicer, h, Owners::own(h))?);
+        }
+        Ok(out)
+    }
+
+    /// The same of a side's points.
     pub(super) fn mitred_curves(
         &mut self,
         dicer: &Dicer<'_>,
@@ -163,11 +177,7 @@ impl Builder {
         let mut out = Vec::new();
         for &h in mitred {
             // Each walks its own way.
-            let own = Owners {
-                position: h,
-                normal: h,
-                jet: h,
-            };
+            let own = Owners::own(h);
             let k = if h == position { k } else { (1 << level) - k };
             let curve = self.side_curve(dicer, h, own)?;
             out.extend(curve.map(|curve| curve.at(dicer, [k; 2], level)));

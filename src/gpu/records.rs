@@ -286,7 +286,8 @@ record! {
         index: u32,
         /// Stencil of the normal.
         normal_stencil: u32,
-        /// Point of that table; all bits where the normal is given, and stands at the place of control point `normal_stencil`.
+        /// Point of that table; all bits where the normal is given, and stands at the place of control point `normal_stencil`. All but the
+        /// last where it is made of the ring of faces around, which is listed among the gathers there.
         normal_index: u32,
     }
 }

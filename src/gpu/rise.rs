@@ -98,11 +98,17 @@ impl Builder {
             self.lift(dicer, of, None);
             return Ok(());
         };
+        if dicer.lifts_patches() {
+            let curves = self.mitred_corners(dicer, &mitred)?;
+            self.lift(dicer, of, Some(Mitre::Curves(&curves)));
+            return Ok(());
+        }
         let count = dicer.corner_count();
         let mut places = Vec::new();
         for h in mitred {
             let at = dicer.along(h % count, 0, 1);
-            places.push(self.place(dicer, h / count, at, 0)?);
+            let place = self.place(dicer, h / count, at, 0)?;
+            places.push(self.corner_normal(dicer, h, place));
         }
         self.lift(dicer, of, Some(Mitre::Places(&places)));
         Ok(())

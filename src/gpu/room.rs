@@ -67,8 +67,8 @@ impl Builder {
         for h in whole.face_halves(blocks[0].quad) {
             spots += 1_u64 << dicer.side_level(h)?;
             if dicer.shown == Shown::Qas {
-                // Corners and middles that curves run through, of both sides of a crease.
-                spots += 8;
+                // Corners and middles that curves run through, of both sides of a crease and of all around a corner.
+                spots += 8 + dicer.mitred(h)[1];
             }
         }
         points += spots;
@@ -120,6 +120,7 @@ impl Builder {
             }
         }
         for h in whole.face_halves(blocks[0].quad) {
+            gathers += 4 * dicer.ring_words(h);
             // Mitres, a stencil and a place for each, or a curve.
             let around = dicer.mitred(h);
             let points = 1_u64 << dicer.side_level(h)?;

@@ -3,13 +3,11 @@
 //! The processor's own evaluation makes them: control points that are unit vectors, three at a time, give the weights of three control
 //! points as coordinates.
 
-use super::corners::Corners;
 use super::error::GpuError;
 use super::surroundings::Surroundings;
 use crate::evaluate::Tangents;
 use crate::frame::Drawing;
 use crate::limits::Budget;
-use crate::scheme::Scheme;
 use crate::surface::{DicedQuad, PlaceJets, Surface};
 use rayon::prelude::*;
 
@@ -170,11 +168,13 @@ pub(super) fn make(
     width: u32,
     budget: &mut Budget<'_>,
 ) -> Result<Vec<Table>, GpuError> {
-    let mends = width > 3 && surface.scheme() != Scheme::Bilinear;
-    made(surface, shapes, drawing, (width, mends), budget)
+    let values = |shape: &Surroundings| width as usize * shape.vertices.len();
+    of_each(surface, shapes, values, budget, |shape, level| {
+        one(surface, shape, level, drawing, width)
+    })
 }
 
-/// Makes tables of the limit surface at level 1, which quadratic patches run through: corners without a normal add nothing to theirs.
+/// Makes tables of the limit surface at level 1, which quadratic patches run through.
 pub(super) fn make_base(
     surface: &Surface,
     shapes: &[Wanted<'_>],
@@ -182,20 +182,7 @@ pub(super) fn make_base(
     budget: &mut Budget<'_>,
 ) -> Result<Vec<Table>, GpuError> {
     let base: Vec<Wanted<'_>> = shapes.iter().map(|&(shape, _)| (shape, 1)).collect();
-    made(surface, &base, Drawing::Limit, (width, false), budget)
-}
-
-fn made(
-    surface: &Surface,
-    shapes: &[Wanted<'_>],
-    drawing: Drawing,
-    (width, mends): (u32, bool),
-    budget: &mut Budget<'_>,
-) -> Result<Vec<Table>, GpuError> {
-    let values = |shape: &Surroundings| width as usize * shape.vertices.len();
-    of_each(surface, shapes, values, budget, |shape, level| {
-        one(surface, shape, level, drawing, (width, mends))
-    })
+    make(surface, &base, Drawing::Limit, width, budget)
 }
 
 fn one(
@@ -203,7 +190,7 @@ fn one(
     shape: &Surroundings,
     level: u32,
     drawing: Drawing,
-    (width, mends): (u32, bool),
+    width: u32,
 ) -> Result<Table, GpuError> {
     let (split, triangles) = (whole.is_split(), whole.is_triangular());
     let mut surface = shape.surface(whole);
@@ -216,7 +203,6 @@ fn one(
     let quarters = split && shape.size() == 4;
     let asked = if quarters { 2 * n } else { n };
     let mut weights = vec![0.0_f32; subs * count * side * side * width as usize];
-    let mut corners = mends.then(|| Corners::new(subs, count, triangles));
     let mut samples = Vec::new();
     let mut points = vec![[0.0_f32; 3]; surface.control_base().len()];
     for first in (0..count).step_by(3) {
@@ -233,10 +219,7 @@ fn one(
             Drawing::Refined => surface.refine_quads(level).take(subs).collect(),
             Drawing::Limit | Drawing::Cage => Vec::new(),
         };
-        if let Some(corners) = &mut corners {
-            corners.read(&surface, first);
-        }
-        let mut jets = (width > 3).then(|| PlaceJets::new(&surface));
+        let mut jets = PlaceJets::new(&surface);
         for sub in 0..subs {
             for j in 0..side {
                 for i in 0..side {
@@ -250,35 +233,34 @@ fn one(
                     let s = &samples[found];
                     let refined = refined.get(sub).map(|q| q.points[j * side + i]);
                     let position = refined.unwrap_or(s.position);
-                    let all = match &mut jets {
-                        Some(jets) => Some(jets.points(sub as u32, place(i, j)).ok_or(NO_WEIGHTS)?),
-                        None => None,
+                    let (sub, at) = (sub as u32, place(i, j));
+                    let by = match width > 3 {
+                        true => jets.points(sub, at).ok_or(NO_WEIGHTS)?,
+                        false => {
+                            let [du, dv] = jets.flat(sub, at).unwrap_or([s.du, s.dv]);
+                            [du, dv, [0.0; 3], [0.0; 3], [0.0; 3]]
+                        }
                     };
                     for k in first..count.min(first + 3) {
-                        let at = (sub * count + k) * side * side + j * side + i;
+                        let at = (sub as usize * count + k) * side * side + j * side + i;
                         let out = &mut weights[at * width as usize..][..width as usize];
                         let c = k - first;
                         out[0] = position[c];
-                        match &all {
-                            Some(all) => out[1..].copy_from_slice(&all.map(|d| d[c])),
-                            None if width > 1 => out[1..].copy_from_slice(&[s.du[c], s.dv[c]]),
-                            None => (),
+                        for (out, d) in out[1..].iter_mut().zip(by) {
+                            *out = d[c];
                         }
                     }
                 }
             }
         }
     }
-    let mut table = Table {
+    let table = Table {
         level,
         columns: (0..count as u32).collect(),
         width,
         weights,
         ..Table::default()
     };
-    if let Some(corners) = &corners {
-        corners.mend(&mut table, subs);
-    }
     let mut table = compact(table, subs);
     let groups = subs * table.columns.len();
     table.rim = rims(&table.weights, groups, width, level, triangles);

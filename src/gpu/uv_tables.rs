@@ -77,7 +77,13 @@ fn one_uvs(
         if let Some(second) = values.get_mut(first + 1) {
             second[1] = 1.0;
         }
-        let surface = shape.surface_with(whole, &values);
+        let mut surface = shape.surface_with(whole, &values);
+        if width > 1 {
+            // Any, if only they differ: at flat corners they say which ways derivatives run.
+            let vertices = 0..surface.control_base().len();
+            let points: Vec<[f32; 3]> = vertices.map(|k| [k as f32, 0.0, 0.0]).collect();
+            surface.update_points(&points).map_err(|_| NO_WEIGHTS)?;
+        }
         let mut face = surface.face_evaluator(0).ok_or(NO_WEIGHTS)?;
         let mut jets = (width > 1).then(|| PlaceJets::new(&surface));
         for sub in 0..subs {

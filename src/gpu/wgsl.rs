@@ -38,6 +38,18 @@ pub const QAS: u32 = 1;
 /// Kind of a chunk of curved PN triangles.
 pub const PN: u32 = 2;
 
+/// In place of a point of a table, of a normal that is made of the ring around a corner (`rings`).
+pub const RINGED: u32 = u32::MAX - 1;
+/// How: across the two ends of the ring, as the mean of its faces' normals, or as its area. The last bit says that two ends may enclose more
+/// than half a turn.
+pub const RING_ENDS: u32 = 0;
+/// See above.
+pub const RING_MEAN: u32 = 1;
+/// See above.
+pub const RING_AREA: u32 = 2;
+/// See above.
+pub const RING_REFLEX: u32 = 4;
+
 /// [`Rise::shape`](super::records::Rise::shape) of what is not displaced.
 pub const STILL: u32 = 0;
 /// Of a map.
@@ -57,8 +69,28 @@ pub const PATCH_DRAWN: u32 = 32;
 pub const PATCH_SPLIT: u32 = 64;
 /// Mark of an [`Edge`](super::records::Edge) that runs against the side of its second face.
 pub const EDGE_BACK: u32 = 16;
-/// Words of a face's quadtree: the number of its nodes, and as many as there can be, of three depths below the face.
-pub(super) const NODE_WORDS: u32 = 1 + 85;
+/// Depths of the squares below a face that the device makes blocks of.
+pub(super) const TREE_DEPTH: u32 = numbers::RESAMPLED;
+/// Words of a face's quadtree: the number of its nodes, and as many as there can be.
+pub(super) const NODE_WORDS: u32 = 1 + squares(TREE_DEPTH);
+/// The finest level whose samples are kept: those of the next lie between them.
+const KEPT: u32 = BLOCK_BITS - 1;
+/// Squares around each other that are measured one after the other: the face, then quarters at a corner.
+const NESTED: u32 = BLOCK_BITS - numbers::TRUSTED + 1;
+
+// Cells of the last step are quarters of the smallest squares; nodes have two bits for their depth and three for a place and a level.
+const _: () = assert!(KEPT == TREE_DEPTH + 1 && TREE_DEPTH <= 3 && BLOCK_BITS <= 7);
+
+/// Squares of a quadtree down to a depth.
+const fn squares(depth: u32) -> u32 {
+    ((1 << (2 * depth + 2)) - 1) / 3
+}
+
+/// Squares of all that are nested; each reaches a depth less far than the one around it.
+fn nested_squares() -> u32 {
+    (0..NESTED).map(|number| squares(KEPT - number)).sum()
+}
+
 /// Triangles whose normals may be further off where samples ask for more levels than there are, in pixels.
 const FEW_PIXELS: f32 = 4.0;
 /// Where counts of a chunk stand whose blocks the device decides: blocks that are drawn, all of them, their points, moved points, micro-quads.
@@ -138,6 +170,12 @@ fn numbers() -> String {
         ("PATCH_SPLIT", PATCH_SPLIT),
         ("EDGE_BACK", EDGE_BACK),
         ("NODE_WORDS", NODE_WORDS),
+        ("TREE_DEPTH", TREE_DEPTH),
+        ("SQUARES", squares(TREE_DEPTH)),
+        ("KEPT", KEPT),
+        ("CELLS", squares(KEPT)),
+        ("NESTED", NESTED),
+        ("NEEDS", nested_squares()),
         ("PART", PART),
         ("TOTAL_DRAWN", TOTAL_DRAWN),
         ("TOTAL_BLOCKS", TOTAL_BLOCKS),
@@ -151,7 +189,10 @@ fn numbers() -> String {
         ("UNEVEN_STEPS", numbers::UNEVEN_STEPS),
         ("DEEPER", numbers::DEEPER),
         ("OVERHEAD", numbers::OVERHEAD),
-        ("RESAMPLED", numbers::RESAMPLED),
+        ("RINGED", RINGED),
+        ("RING_ENDS", RING_ENDS),
+        ("RING_MEAN", RING_MEAN),
+        ("RING_REFLEX", RING_REFLEX),
         ("STILL", STILL),
         ("MAP", MAP),
         ("NOISE", NOISE),
@@ -256,6 +297,7 @@ pub fn dice(variant: Variant) -> Source {
         HEIGHT,
         include_str!("wgsl/displace.wgsl"),
         include_str!("wgsl/patch.wgsl"),
+        include_str!("wgsl/rings.wgsl"),
         include_str!("wgsl/sides.wgsl"),
         include_str!("wgsl/dice.wgsl"),
     ];

@@ -218,6 +218,13 @@ impl ChannelPatch {
         self.prepare(surface, kind, q, None, wanted);
     }
 
+    /// The same of what is drawn of the points: of patches, where the surface has any.
+    pub(super) fn prepare_drawn_side(&mut self, surface: &Surface, q: u32, level: u32) {
+        if !self.prepare_patches(surface, q, level, Sides::Normals) {
+            self.prepare_side(surface, Kind::Points, q, level, Sides::Normals);
+        }
+    }
+
     /// Points and normals along side `c`, ends included, at the level that was prepared.
     pub(super) fn side_samples(&self, c: usize) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
         let (mut points, mut normals) = (Vec::new(), Vec::new());

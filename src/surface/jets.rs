@@ -2,7 +2,7 @@
 
 use super::Surface;
 #[cfg(feature = "gpu")]
-use super::displaced::linear_derivatives;
+use super::displaced::{linear_derivatives, upright};
 use crate::control::{Kind, Pieces, TreeChannel, levels_beyond};
 use crate::dice::MAX_LEVEL;
 use crate::dice::evaluate::{Jet, Leaf, Place, QuadEvaluator, Row};
@@ -19,6 +19,9 @@ pub(super) struct Derivatives {
     pub(super) du: [f32; 3],
     pub(super) dv: [f32; 3],
     pub(super) second: [[f32; 3]; 3],
+    /// At a [flat corner](crate::topology::Fan::is_flat), where both derivatives have one direction, the tangents of the surface: derivatives by
+    /// parameters of their own, the same for all channels.
+    pub(super) flat: Option<[[f32; 3]; 2]>,
 }
 
 impl Derivatives {
@@ -48,6 +51,7 @@ impl Derivatives {
             du: jet.du.xyz(),
             dv: jet.dv.xyz(),
             second: if smooth { second } else { Default::default() },
+            flat: None,
         }
     }
 }
@@ -274,21 +278,44 @@ impl<'a> PlaceJets<'a> {
     }
 
     /// By u, by v, by u twice, by u and v, by v twice, at column and row `at` of quad `q`, both from 0 to 1; second ones are zeros where
-    /// there are none. None of interpolating surfaces.
+    /// there are none. At [flat corners](PlaceJets::flat) the tangents. None of interpolating surfaces.
     pub(crate) fn points(&mut self, q: u32, at: [f32; 2]) -> Option<[[f32; 3]; 5]> {
         let found = (self.points).at::<2>(self.surface, Kind::Points, q, at)?;
         let [uu, uv, vv] = found.second;
-        Some([found.du, found.dv, uu, uv, vv])
+        let [du, dv] = found.flat.unwrap_or([found.du, found.dv]);
+        Some([du, dv, uu, uv, vv])
     }
 
-    /// The first two of the texture coordinates.
+    /// The tangents at a corner of a quad where both derivatives have one direction; nothing at other places.
+    pub(crate) fn flat(&mut self, q: u32, at: [f32; 2]) -> Option<[[f32; 3]; 2]> {
+        self.flat_ways(q, at)?.flat
+    }
+
+    fn flat_ways(&mut self, q: u32, at: [f32; 2]) -> Option<Derivatives> {
+        const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let c = CORNERS.iter().position(|&c| c == at)? as u32;
+        let halves = self.surface.quads().face_halves(q);
+        let h = halves.clone().nth(c as usize)?;
+        if !self.surface.is_flat_corner(h) {
+            return None;
+        }
+        let found = (self.points).at::<1>(self.surface, Kind::Points, q, at)?;
+        found.flat.is_some().then_some(found)
+    }
+
+    /// The first two of the texture coordinates. At flat corners of the surface by the parameters of its tangents, whose points have to differ
+    /// then.
     pub(crate) fn uvs(&mut self, q: u32, at: [f32; 2]) -> Option<[[f32; 2]; 2]> {
         let surface = self.surface;
         let found = match surface.has_linear_uvs() {
             true => linear_derivatives(surface, q, surface.triangles, at),
             false => (self.uvs).at::<1>(surface, Kind::Uvs, q, at)?,
         };
-        Some([found.du, found.dv].map(|[u, v, _]| [u, v]))
+        let by = match self.flat_ways(q, at) {
+            Some(ways) => found.flat.unwrap_or_else(|| upright(&ways, &found)),
+            None => [found.du, found.dv],
+        };
+        Some(by.map(|[u, v, _]| [u, v]))
     }
 }
 
@@ -347,7 +374,11 @@ fn below_face<'a, P: Pieces, const ORDER: u32>(
         *ready = Some((leaf.depth, leaf.quad));
     }
     let found = patches.at::<ORDER>(leaf.channel, leaf.at[0], leaf.at[1]);
-    derivatives::<ORDER>(found, scale, tip)
+    let mut out = derivatives::<ORDER>(found, scale, tip);
+    if let Place::Corner(_, c) = found {
+        out.flat = P::flat_tangents(leaf.channel, leaf.quad, c, scale);
+    }
+    out
 }
 
 /// The face itself is the patch.

@@ -69,6 +69,16 @@ impl Fan {
             FanRule::Corner => self.faces == 1 && !self.closed,
         }
     }
+
+    /// Whether both derivatives of a face have one direction there: of one face between two sides of one smooth crease, which both run along
+    /// that, and of two faces around a vertex, whose two sides run on into each other.
+    pub(crate) fn is_flat(&self) -> bool {
+        match self.rule {
+            FanRule::Smooth => self.faces == 2 && self.closed,
+            FanRule::Crease => self.faces == 1 && !self.closed,
+            FanRule::Corner => false,
+        }
+    }
 }
 
 /// Connectivity of a polygon mesh.

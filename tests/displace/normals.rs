@@ -1,7 +1,7 @@
 //! Normals of displaced surfaces against differences in double precision.
 
 use super::*;
-use earmark::scheme::FaceVaryingRule;
+use earmark::scheme::{Boundary, FaceVaryingRule};
 
 /// Largest angle in degrees between normals at `level` and fourth-order differences of the points `stride` apart, inside of faces and, one
 /// sided, on their sides.
@@ -155,6 +155,86 @@ fn slopes_of_interpolating_surfaces_do_not_depend_on_the_level() {
         for n in surface.dice(5, level).normals {
             let off = [n[0] + 0.25 / length, n[1], n[2] - 1.0 / length];
             assert!(off.iter().all(|c| c.abs() < 1e-3), "{level}: {n:?}");
+        }
+    }
+}
+
+/// A plane of one face whose boundary is smooth all around: at its corners both derivatives run along that. Texture coordinates are linear in
+/// the plane.
+fn disc(scheme: Scheme, face_varying: FaceVaryingRule) -> Surface {
+    let count = if scheme == Scheme::Loop { 3 } else { 4 };
+    let points = [[0.0, 0.0], [2.0, 0.2], [2.3, 2.0], [-0.1, 1.8]].map(|[x, y]| [x, y, 0.0]);
+    let points = points[..count as usize].to_vec();
+    let uvs = points.iter().map(|p| uv_of([p[0], p[1]])).collect();
+    let corners: Vec<u32> = (0..count).collect();
+    let cage = Cage::new(points, &[count], corners.clone()).unwrap();
+    let cage = cage.with_uvs(uvs, corners).unwrap();
+    let options = SurfaceOptions {
+        face_varying: Some(face_varying),
+        boundary: Some(Boundary::EdgeOnly),
+        ..by(scheme)
+    };
+    Surface::new(cage, &options)
+}
+
+fn uv_of([x, y]: [f32; 2]) -> [f32; 2] {
+    [0.3 + 0.1 * x + 0.02 * y, 0.3 - 0.01 * x + 0.1 * y]
+}
+
+/// Angle in degrees between a normal and that of the graph of a function with this gradient.
+fn off_graph(normal: [f32; 3], [x, y]: [f64; 2]) -> f64 {
+    let n = normal.map(f64::from);
+    let dot = n[2] - n[0] * x - n[1] * y;
+    let cos = dot / (1.0 + x * x + y * y).sqrt();
+    let cross = [n[1] + n[2] * y, -n[0] - n[2] * x, n[1] * x - n[0] * y];
+    let sin = cross.iter().map(|c| c * c).sum::<f64>().sqrt() / (1.0 + x * x + y * y).sqrt();
+    sin.atan2(cos).to_degrees()
+}
+
+#[test]
+fn corners_between_two_sides_of_a_smooth_crease_are_tilted() {
+    let function: Function = "perlin:frequency=0.8,seed=2".parse().unwrap();
+    let slope = |p: [f32; 3], k: usize| {
+        let at = |t: f32| {
+            let mut p = [p[0], p[1], 0.0];
+            p[k] += t;
+            f64::from(function.at(p))
+        };
+        const STEP: f32 = 1.0 / 128.0;
+        let near = at(STEP) - at(-STEP);
+        let far = at(2.0 * STEP) - at(-2.0 * STEP);
+        (8.0 * near - far) / (12.0 * f64::from(STEP))
+    };
+    for scheme in [Scheme::CatmullClark, Scheme::Loop] {
+        let mut surface = disc(scheme, FaceVaryingRule::None);
+        surface.set_displacement(Some(Displacement::function(function).scaled(0.5)));
+        let grid = surface.dice(0, 2);
+        for (p, &n) in grid.points.iter().zip(&grid.normals) {
+            let gradient = [0, 1].map(|k| 0.5 * slope(*p, k));
+            let off = off_graph(n, gradient);
+            assert!(off < 0.05, "{scheme:?} at {p:?}: {n:?}, {off} degrees");
+        }
+        // A map, by coordinates that bend as the surface does.
+        const SIDE: u32 = 64;
+        let ramp = (0..SIDE * SIDE).map(|k| (k % SIDE) as f32 / SIDE as f32);
+        let ramp = Arc::new(HeightMap::new(SIDE, SIDE, ramp.collect()).unwrap());
+        let lifted = |rule| {
+            let mut surface = disc(scheme, rule);
+            surface.set_displacement(Some(Displacement::map(Arc::clone(&ramp)).scaled(4.0)));
+            surface.dice(0, 2)
+        };
+        let grid = lifted(FaceVaryingRule::None);
+        for &n in &grid.normals {
+            let off = off_graph(n, [0.4, 0.08]);
+            assert!(off < 0.05, "{scheme:?}: {n:?}, {off} degrees");
+        }
+        // By others heights change where the surface stands still.
+        let (sharp, plain) = (lifted(FaceVaryingRule::CornersOnly), &grid);
+        let last = sharp.side * sharp.side - 1;
+        for at in [0, sharp.side - 1, last] {
+            let n = sharp.normals[at];
+            assert!(n[2].abs() < 1e-3, "{scheme:?} at {at}: {n:?}");
+            assert!(plain.normals[at][2] > 0.9);
         }
     }
 }

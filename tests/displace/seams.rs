@@ -1,6 +1,9 @@
 //! What is shared has one position and one normal, bit for bit.
 
 use super::*;
+use earmark::patch::PatchKind;
+use earmark::surface::DicedQuad;
+use earmark::topology::NONE;
 use std::collections::HashMap;
 
 type Bits = [u32; 3];
@@ -99,4 +102,62 @@ fn shared_points_and_normals_have_one_owner() {
             }
         }
     }
+}
+
+/// Normals along side `c` of a diced quad, its corners left out, with the points there.
+fn along(grid: &DicedQuad, c: usize) -> Vec<[[f32; 3]; 2]> {
+    let n = grid.side - 1;
+    let at = |k: usize| {
+        let [i, j] = [[k, 0], [n, k], [n - k, n], [0, n - k]][c];
+        let at = j * grid.side + i;
+        [grid.points[at], grid.normals[at]]
+    };
+    (1..n).map(at).collect()
+}
+
+#[test]
+fn creases_of_patches_move_along_the_normals_of_what_is_drawn() {
+    const HEIGHT: f32 = 0.01;
+    let mut compared = 0;
+    for (scheme, patches) in [
+        (Scheme::CatmullClark, PatchKind::None),
+        (Scheme::CatmullClark, PatchKind::Qas),
+        (Scheme::CatmullClark, PatchKind::Pn),
+        (Scheme::Bilinear, PatchKind::Qas),
+        (Scheme::Bilinear, PatchKind::Pn),
+    ] {
+        let options = SurfaceOptions {
+            patches,
+            ..by(scheme)
+        };
+        // Both are closed: sides without another are creases, and under the bilinear rule all are.
+        let cage = match scheme {
+            Scheme::Bilinear => torus(8, 6, false, &options).cage().clone(),
+            _ => {
+                let part = common::load(&common::assets().join("part_creased.obj"));
+                part.objects[0].surface.cage().clone()
+            }
+        };
+        let plain = Surface::new(cage, &options);
+        let mut displaced = plain.clone();
+        displaced.set_displacement(Some(noise("perlin").scaled(0.0).biased(HEIGHT)));
+        let t = plain.quads();
+        for q in 0..t.face_count() as u32 {
+            let (a, b) = (plain.dice(q, 3), displaced.dice(q, 3));
+            for (c, h) in t.face_halves(q).enumerate() {
+                if scheme != Scheme::Bilinear && t.twin(h) != NONE {
+                    continue;
+                }
+                for ([p, n], [to, _]) in along(&a, c).into_iter().zip(along(&b, c)) {
+                    let moved: f32 = (0..3).map(|k| (to[k] - p[k]) * n[k]).sum();
+                    assert!(
+                        (moved - HEIGHT).abs() < 2e-4 * HEIGHT,
+                        "{scheme:?} {patches:?} {q} {c}: {moved} along {n:?}"
+                    );
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 1000, "{compared}");
 }

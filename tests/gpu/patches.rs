@@ -1,7 +1,7 @@
 //! Patches and interpolating surfaces that are displaced or have relief, against the processor.
 
 use crate::pictures::{check, draw};
-use crate::points::{ANGLE, assert_shared, blocks, compare, flat_corners};
+use crate::points::{ANGLE, DISTANCE, assert_shared, blocks, compare, straight_corners};
 use crate::{asset, displaced, gpu, gpu_with, plain};
 use earmark::frame::Refinement;
 use earmark::gpu::DeviceOptions;
@@ -23,11 +23,13 @@ use PatchKind::{None as Limit, Pn, Qas};
 use Scheme::{Bilinear, Butterfly, CatmullClark, Kobbelt, Loop};
 
 /// Asset, scheme, patches and displacement.
-const DISPLACED: [(&str, Scheme, PatchKind, &str); 14] = [
+const DISPLACED: [(&str, Scheme, PatchKind, &str); 16] = [
     ("creature", CatmullClark, Qas, "map"),
     ("creature", CatmullClark, Qas, "noise"),
     ("part_creased", CatmullClark, Qas, "noise"),
     ("cube", Bilinear, Qas, "ripples"),
+    ("part_creased", Bilinear, Qas, "noise"),
+    ("part_creased", Bilinear, Pn, "noise"),
     ("octahedron", Loop, Qas, "noise"),
     ("creature", CatmullClark, Pn, "map"),
     ("part", CatmullClark, Pn, "moving"),
@@ -84,12 +86,8 @@ fn displaced_points_of_patches_are_the_processors() {
                 got.bare
             );
             let what = format!("{name} {scheme:?} {patches:?} {by} {level}");
-            // At flat corners the device has tangents of its own: it tilts what is displaced, the processor does not.
-            let few = got.points / 1000 + flat_corners(surface);
-            // Beside creases of PN triangles points are off by a part of their height; pictures hold them.
-            let creased = patches == Pn && name == "part_creased";
-            let most = if creased { 1e-3 } else { 4e-6 };
-            assert!(got.distance <= most, "{what}: {}", got.distance);
+            let few = got.points / 1000 + straight_corners(surface);
+            assert!(got.distance <= DISTANCE, "{what}: {}", got.distance);
             assert!(turned <= few, "{what}: {turned} normals of {}", got.points);
             assert!(got.bare <= few, "{what}: {} have none", got.bare);
             if !surface.is_triangular() {

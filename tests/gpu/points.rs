@@ -4,7 +4,7 @@ use crate::{asset, gpu, gpu_with, plain, torus, uniform};
 use earmark::frame::Drawing;
 use earmark::gpu::{DeviceOptions, Gpu, GpuScene, ReadBlock};
 use earmark::patch::PatchKind;
-use earmark::scheme::{INFINITE_SHARPNESS, Scheme};
+use earmark::scheme::Scheme;
 use earmark::surface::DicedQuad;
 use earmark::{Camera, Renderer, Scene, Surface, SurfaceOptions};
 use std::ops::RangeInclusive;
@@ -188,32 +188,12 @@ fn compare_with(
     out
 }
 
-/// Corners of faces where a surface has no normal, because derivatives have one direction: both sides run along one smooth crease, or under
-/// the bilinear rule along one line.
-pub(crate) fn flat_corners(surface: &Surface) -> usize {
-    flat_corners_of(surface).len()
-}
-
-/// The half-edges of the cage that begin there.
-pub(crate) fn flat_corners_of(surface: &Surface) -> Vec<u32> {
-    let t = surface.topology();
-    let is_sharp = |h: u32| t.edge_sharpness(t.edge(h)) >= INFINITE_SHARPNESS;
-    let mut sharp_edges = vec![0; t.vertex_count()];
-    for e in 0..t.edge_count() as u32 {
-        let h = t.edge_half(e);
-        if is_sharp(h) {
-            for v in [h, t.next(h)].map(|h| t.vertex(h)) {
-                sharp_edges[v as usize] += 1;
-            }
-        }
+/// Corners of bilinear faces where sides run on straight: there the surface has no normal.
+pub(crate) fn straight_corners(surface: &Surface) -> usize {
+    if surface.scheme() != Scheme::Bilinear {
+        return 0;
     }
-    let is_flat = |h: &u32| {
-        let v = t.vertex(*h);
-        is_sharp(*h)
-            && is_sharp(t.prev(*h))
-            && sharp_edges[v as usize] == 2
-            && t.vertex_sharpness(v) < INFINITE_SHARPNESS
-    };
+    let t = surface.topology();
     let points = surface.cage().points();
     let is_straight = |h: &u32| {
         let at = |h: u32| points[t.vertex(h) as usize];
@@ -222,12 +202,7 @@ pub(crate) fn flat_corners_of(surface: &Surface) -> Vec<u32> {
         let [a, b]: [[f32; 3]; 2] = [side(a), side(b)];
         dot(a, b) < -(1.0 - 1e-10) * (dot(a, a) * dot(b, b)).sqrt()
     };
-    let all = 0..t.half_count() as u32;
-    match surface.scheme() {
-        Scheme::CatmullClark => all.filter(is_flat).collect(),
-        Scheme::Bilinear => all.filter(is_straight).collect(),
-        _ => Vec::new(),
-    }
+    (0..t.half_count() as u32).filter(is_straight).count()
 }
 
 /// The comparison notices a point that is elsewhere, a normal that is missing and one that is turned.
@@ -286,8 +261,8 @@ fn points_are_the_processors() {
                 "gpu points {what}: {distance:.1e} of the model, {angle:.4} degrees, {} points, {} without a normal",
                 got.points, got.bare
             );
-            let flat = flat_corners(surface);
-            got.check(&what, flat..=flat);
+            let straight = straight_corners(surface);
+            got.check(&what, straight..=straight);
             assert!(angle <= 0.05, "{what}: {angle} degrees");
             if run == 0 {
                 check_comparison(surface, &found, level);
@@ -333,8 +308,7 @@ fn quadratic_patches_are_the_processors() {
                 "gpu patches {name} {level}: {distance:.1e} of the model, {angle:.4} degrees but at {far_off}, {} points, {} without a normal",
                 got.points, got.bare
             );
-            let flat = flat_corners(surface);
-            got.check(&format!("{name} at level {level}"), flat..=flat + most);
+            got.check(&format!("{name} at level {level}"), 0..=most);
             if scheme == Scheme::CatmullClark {
                 assert_shared(surface, &found, &format!("{name} at level {level}"));
             }
@@ -455,12 +429,7 @@ fn displaced_points_are_the_processors() {
                 "gpu displaced points {name} {scheme:?} {by} {level}: {distance:.1e} of the model, {angle:.4} degrees, {far_off} beyond 0.05, {} points, {} without a normal",
                 got.points, got.bare
             );
-            // Where sides of a bilinear face run on straight there is none.
-            let straight = if scheme == Bilinear {
-                flat_corners(surface)
-            } else {
-                0
-            };
+            let straight = straight_corners(surface);
             assert!(got.bare <= straight, "{name} {by}: {}", got.bare);
             // Points move along normals, which one in 100,000 may have turned by a hundredth of a degree.
             let turned_off = got.beyond[0];
@@ -469,8 +438,8 @@ fn displaced_points_are_the_processors() {
                 turned_off <= got.points / 100_000,
                 "{name} {by}: {turned_off}"
             );
-            // At flat corners and where texels meet; bilinear faces have corners without an angle.
-            let odd = flat_corners(surface) + got.points / 20_000;
+            // Where texels meet; bilinear faces have corners without an angle.
+            let odd = straight + got.points / 20_000;
             assert!(far_off <= odd, "{name} {by}: {far_off} of {odd}");
             if scheme != Loop {
                 assert_shared(surface, &found, &format!("{name} at level {level}"));
@@ -516,8 +485,7 @@ fn control_points_are_the_processors() {
             println!(
                 "gpu control points {name} {level}: {distance:.1e} of the model, {angle:.4} degrees"
             );
-            let flat = flat_corners(surface);
-            got.check(&format!("{name} at level {level}"), flat..=flat);
+            got.check(&format!("{name} at level {level}"), 0..=0);
             assert!(angle <= 0.05, "{name} at level {level}: {angle} degrees");
             run += 1;
         }
@@ -546,9 +514,8 @@ fn reference_models_have_the_processors_points() {
                 "gpu points {model} {level}: {distance:.1e} of the model, {angle:.4} degrees, {} points, {} without a normal",
                 got.points, got.bare
             );
-            // Models may have some more where derivatives happen to be parallel.
-            let flat = flat_corners(surface);
-            got.check(&format!("{model} at level {level}"), flat..=flat + 4);
+            // Models may have some where derivatives happen to be parallel.
+            got.check(&format!("{model} at level {level}"), 0..=4);
             assert!(angle <= 0.05, "{model} at level {level}: {angle} degrees");
             run += 1;
         }

@@ -319,6 +319,24 @@ fn refined(t: &Topology, id: u32, points: &[[f32; 3]], steps: u32) -> [f32; 3] {
     (s.base + last).xyz()
 }
 
+/// Tangents that cancel to rounding have no direction: compared with the size of what was summed.
+fn are_parallel([a, b]: [V3; 2]) -> bool {
+    size(cross(a, b)) <= 1e-10 * size(a) * size(b)
+}
+
+/// Whether the tangents of a fan that is no corner have one direction, or none: its normal is then that of its ring.
+#[cfg(feature = "gpu")]
+pub(crate) fn has_no_plane(
+    t: &Topology,
+    masks: &TriangleMasks,
+    points: &[[f32; 3]],
+    id: u32,
+) -> bool {
+    let fan = t.fans()[id as usize];
+    let mask = masks.0.get(&(fan.closed, fan.faces));
+    are_parallel(ring_sums(t, &fan, points, mask).tangents)
+}
+
 fn evaluate(
     t: &Topology,
     masks: &TriangleMasks,
@@ -350,8 +368,7 @@ fn evaluate(
     };
     let chosen = tangents.and_then(|[a, b]| {
         let normal = cross(a, b);
-        // Tangents that cancel to rounding have no direction: compare with the size of what was summed.
-        if size(normal) <= 1e-10 * size(a) * size(b) {
+        if are_parallel([a, b]) {
             return None;
         }
         let turned = rule == FanRule::Corner && dot(normal, s.area) < 0.0;

@@ -23,6 +23,8 @@ mod tensor;
 mod tests;
 mod wide;
 
+#[cfg(feature = "gpu")]
+pub(crate) use self::fans::has_no_plane;
 pub(crate) use self::{
     control::{DescendTriangles, TriangleView},
     evaluate::{JetLines, TriangleEvaluator, TriangleRow, leaf},

@@ -12,12 +12,12 @@
 @group(0) @binding(17) var<uniform> room: Room;
 
 // Squares of the finest depth along a side, and how many levels finer the grid of places is.
-const CELL_SIDE = 8u;
+const CELL_SIDE = 1u << TREE_DEPTH;
 
 // The face's tree: node by node, and of every cell the leaf that it lies in.
-var<private> tree: array<u32, 85>;
+var<private> tree: array<u32, SQUARES>;
 var<private> tree_size: u32;
-var<private> cells: array<u32, 64>;
+var<private> cells: array<u32, CELL_SIDE * CELL_SIDE>;
 // Splits of the edges at its sides.
 var<private> sides: array<u32, 4>;
 var<private> backs: array<bool, 4>;
@@ -127,7 +127,7 @@ fn nearest(splits: u32, level: u32, t: u32) -> u32 {
     var low = 0u;
     var high = 1u << level;
     while t != low && t != high {
-        if node >= 32u || (splits & (1u << node)) == 0u {
+        if node >= (1u << BLOCK_BITS) || (splits & (1u << node)) == 0u {
             return select(high, low, t - low <= high - t);
         }
         let middle = (low + high) / 2u;

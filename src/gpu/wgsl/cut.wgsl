@@ -6,13 +6,13 @@ fn whole_cost(at: u32, depth: u32) -> u32 {
 
 // Micro-quads of the cheapest way to cut each square into blocks.
 fn find_costs() {
-    for (var below = 0u; below <= RESAMPLED; below++) {
-        let depth = RESAMPLED - below;
+    for (var below = 0u; below <= TREE_DEPTH; below++) {
+        let depth = TREE_DEPTH - below;
         let n = 1u << depth;
         for (var c = 0u; c < n * n; c++) {
             let at = first_cell(depth) + c;
             var cost = whole_cost(at, depth);
-            if needs[at] >= depth + 2u && depth < RESAMPLED {
+            if needs[at] >= depth + 2u && depth < TREE_DEPTH {
                 let child = first_cell(depth + 1u) + 4u * (c >> depth) * n + 2u * (c & (n - 1u));
                 let parts = costs[child] + costs[child + 1u] + costs[child + 2u * n] + costs[child + 2u * n + 1u];
                 cost = min(cost, parts);
@@ -25,7 +25,7 @@ fn find_costs() {
 // Cuts the face into blocks: nodes of its quadtree, in the order in which they are made.
 fn cut(face: u32) {
     let base = face * NODE_WORDS;
-    var stack: array<u32, 16>;
+    var stack: array<u32, 1u + 3u * TREE_DEPTH>;
     var count = 1u;
     var high = 1u;
     var missing = 0.0;
@@ -43,7 +43,7 @@ fn cut(face: u32) {
             nodes[base + 1u + number] = node_of(depth, place.x, place.y, need);
             continue;
         }
-        if depth >= RESAMPLED {
+        if depth >= TREE_DEPTH {
             // As deep as there is.
             nodes[base + 1u + number] = node_of(depth, place.x, place.y, BLOCK_BITS);
             for (var k = 0u; k < 4u; k++) {

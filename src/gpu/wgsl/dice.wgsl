@@ -162,8 +162,11 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     let side = (1u << block.log) + 1u;
     let differs = (LIFTED || TILTED) && chunk.differences != 0u;
     for (var at = lane; at < side * side; at += GROUP) {
-        var x = block.start_x + (at % side) * block.step;
-        var y = block.start_y + (at / side) * block.step;
+        // Above the diagonal of a triangle all is folded onto it, moved or not.
+        let half = chunk.triangles != 0u && block.start_x == block.start_y && block.list_count == 0u;
+        let place_in = select(at, at / side * side + max(at % side, at / side), half);
+        var x = block.start_x + (place_in % side) * block.step;
+        var y = block.start_y + (place_in / side) * block.step;
         if block.step == 0u {
             // What is left of the block repeats the last.
             let own = moves[block.moves + min(at, block.move_count - 1u)];
@@ -172,7 +175,7 @@ fn inside(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
         }
         for (var m = 0u; block.step > 0u && m < block.move_count; m++) {
             let moved = moves[block.moves + m];
-            if moved.at == at {
+            if moved.at == place_in {
                 x = moved.x;
                 y = moved.y;
             }

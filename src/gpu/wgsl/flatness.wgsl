@@ -10,23 +10,18 @@
 @group(0) @binding(9) var<storage, read_write> nodes: array<u32>;
 @group(0) @binding(10) var<storage, read_write> totals: array<atomic<u32>>;
 
-// The finest level whose samples are kept.
-const KEPT = 4u;
-const KEPT_SIDE = 17u;
-const KEPT_SAMPLES = 289u;
-// Cells of a square in all steps down to this many, and squares that may be blocks.
-const CELLS = 341u;
-const SQUARES = 85u;
+const KEPT_SIDE = (1u << KEPT) + 1u;
+const KEPT_SAMPLES = KEPT_SIDE * KEPT_SIDE;
 var<workgroup> samples: array<f32, 6 * KEPT_SAMPLES>;
 var<workgroup> far: array<f32, CELLS>;
 var<workgroup> bend: array<f32, CELLS>;
 var<workgroup> lengths: array<f32, CELLS>;
 // Levels that squares need: of the face, of a quarter of it, and of a quarter of that, depth by depth.
-var<workgroup> needs: array<u32, 447>;
+var<workgroup> needs: array<u32, NEEDS>;
 var<workgroup> costs: array<u32, SQUARES>;
 // The square that is measured (NONE: all are), its samples as a power of two, and the corner that it lies at.
 var<workgroup> square: u32;
-var<workgroup> logs: array<u32, 3>;
+var<workgroup> logs: array<u32, NESTED>;
 var<workgroup> corner: u32;
 // Level of the samples that are there.
 var<workgroup> filled: u32;
@@ -37,7 +32,11 @@ fn first_cell(k: u32) -> u32 {
 }
 
 fn first_need(of_square: u32) -> u32 {
-    return select(select(426u, 341u, of_square == 1u), 0u, of_square == 0u);
+    var at = 0u;
+    for (var k = 0u; k < of_square; k++) {
+        at += first_cell(KEPT + 1u - k);
+    }
+    return at;
 }
 
 // A sample at a place of the finest grid.
@@ -224,7 +223,7 @@ fn beside(number: u32, corners: u32) -> u32 {
 fn insert(number: u32, at: u32) {
     let x = u32(at == 1u || at == 2u);
     let y = u32(at >= 2u);
-    for (var depth = 0u; depth < RESAMPLED; depth++) {
+    for (var depth = 0u; depth < TREE_DEPTH; depth++) {
         for (var k = 0u; k < (1u << (2u * depth)); k++) {
             let i = k & ((1u << depth) - 1u);
             let j = k >> depth;
@@ -399,7 +398,7 @@ fn needs_of_faces(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
                 filled = max(keep, have);
             }
             advance(irregular);
-            job = vec4<u32>(square, logs[min(square, 2u)], corner, filled);
+            job = vec4<u32>(square, logs[min(square, NESTED - 1u)], corner, filled);
         }
         work = workgroupUniformLoad(&job);
     }

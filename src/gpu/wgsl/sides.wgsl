@@ -6,7 +6,7 @@
 // One of the normals of a mitre.
 fn mitred(lift: Lift, k: u32) -> vec3<f32> {
     if lift.mitre_curves == 0u {
-        return normal(evaluate(gathers[lift.mitre + 2u * k], gathers[lift.mitre + 2u * k + 1u]));
+        return normal_at(gathers[lift.mitre + 2u * k], gathers[lift.mitre + 2u * k + 1u]);
     }
     let at = lift.mitre + 4u * k;
     return on_curve(vec4<u32>(gathers[at], gathers[at + 1u], gathers[at + 2u], gathers[at + 3u])).n;
@@ -35,7 +35,8 @@ fn put_lifted(at: u32, spot: Spot, p: vec3<f32>, own: Jet, n: vec3<f32>) {
     }
     let uv = uv_at(lift.uv_gather, lift.uv_count, lift.uv_table, stencils[spot.stencil].stride, spot.index);
     let s = height_at(p, uv.uv);
-    let own_uv = uv_at(lift.own_gather, lift.own_count, lift.own_table, stencils[spot.normal_stencil].stride, spot.normal_index);
+    let place = own_place(spot);
+    let own_uv = uv_at(lift.own_gather, lift.own_count, lift.own_table, stencils[place.x].stride, place.y);
     var by = s.by;
     if rise.shape == MAP {
         by = map_slopes(own_uv.uv);
@@ -70,10 +71,14 @@ fn sides(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         return;
     }
     var own = jet;
-    if spot.normal_stencil != spot.stencil || spot.normal_index != spot.index {
-        own = evaluate(spot.normal_stencil, spot.normal_index);
+    let place = own_place(spot);
+    if place.x != spot.stencil || place.y != spot.index {
+        own = evaluate(place.x, place.y);
     }
-    let n = normal(own);
+    var n = normal(own);
+    if spot.normal_index == RINGED {
+        n = ring_normal(spot.normal_stencil);
+    }
     if !is_lifted() || lifts[at].held != 0u {
         put(at, jet.p, n);
     } else {

@@ -1,7 +1,7 @@
 //! Blocks of a displaced face: its points move, and those inside have normals of their own. Points of sides and corners get the normals of
 //! their owners.
 
-use super::derivatives::{bend, linear_derivatives, two, uv_by};
+use super::derivatives::{at_corner, bend, linear_derivatives, two, uv_by};
 use super::layout::Layout;
 use super::{Displaced, DisplacedPatch, Work};
 use crate::control::Kind;
@@ -200,10 +200,8 @@ impl DisplacedPatch {
         (position, normal, uv): ([f32; 3], [f32; 3], [f32; 2]),
     ) -> Option<Around> {
         let found = points.at::<2>(surface, Kind::Points, face, at)?;
-        let by = match self.has_uvs {
-            true => self.uv_at(surface, uvs, face, at),
-            false => Derivatives::default(),
-        };
+        let by = (self.has_uvs).then(|| self.uv_at(surface, uvs, face, at));
+        let [found, by] = at_corner(found, by);
         Some(Around {
             position,
             normal,
@@ -213,7 +211,13 @@ impl DisplacedPatch {
         })
     }
 
-    fn uv_at(&self, surface: &Surface, jets: &mut Jets, face: u32, at: [f32; 2]) -> Derivatives {
+    pub(super) fn uv_at(
+        &self,
+        surface: &Surface,
+        jets: &mut Jets,
+        face: u32,
+        at: [f32; 2],
+    ) -> Derivatives {
         if surface.has_linear_uvs() {
             return linear_derivatives(surface, face, self.triangle, at);
         }

@@ -4,6 +4,7 @@ use super::layout::Layout;
 use crate::dice::face::Part;
 use crate::displace::Jets;
 use crate::displace::normal::Bend;
+use crate::math;
 use crate::records::Grid3;
 use crate::surface::Surface;
 use crate::surface::jets::Derivatives;
@@ -66,8 +67,41 @@ fn linear_of(c: &[[f32; 3]; 4], triangle: bool, [s, t]: [f32; 2]) -> Derivatives
     Derivatives {
         du,
         dv,
-        second: Default::default(),
+        ..Derivatives::default()
     }
+}
+
+/// What normals at a corner are made of, from the derivatives of the surface and of texture coordinates: where the surface has tangents of its own,
+/// by those.
+pub(super) fn at_corner(found: Derivatives, by: Option<Derivatives>) -> [Derivatives; 2] {
+    let Some(own) = found.flat else {
+        return [found, by.unwrap_or_default()];
+    };
+    let first = |[du, dv]: [[f32; 3]; 2]| Derivatives {
+        du,
+        dv,
+        ..Derivatives::default()
+    };
+    let by = by.map(|by| first(by.flat.unwrap_or_else(|| upright(&found, &by))));
+    [first(own), by.unwrap_or_default()]
+}
+
+/// Derivatives by the parameters of a flat corner's tangents of texture coordinates that are cut otherwise there, which change along both
+/// derivatives of the surface: along the first tangent, and where the surface stands still much more than along the second. What moves by them
+/// stands upright.
+pub(in crate::surface) fn upright(surface: &Derivatives, by: &Derivatives) -> [[f32; 3]; 2] {
+    const MORE: f32 = (1 << 14) as f32;
+    let Some([along, _]) = surface.flat else {
+        return [by.du, by.dv];
+    };
+    let square = math::dot(along, along);
+    let [a, b] = [surface.du, surface.dv].map(|d| math::dot(d, along) / square);
+    let both = a * a + b * b;
+    if !(both > 0.0 && both.is_finite()) {
+        return [[0.0; 3]; 2];
+    }
+    let mix = |s: f32, t: f32| math::add(math::scale(by.du, s), math::scale(by.dv, t));
+    [mix(a / both, b / both), mix(-b * MORE, a * MORE)]
 }
 
 /// Derivatives of linear texture coordinates along a row of a part, from place `at` of `out` on.
@@ -98,7 +132,7 @@ pub(super) fn differences(layout: Layout, grid: &Grid3, j: usize, out: &mut Jets
         let found = Derivatives {
             du: between(get(i0, j), get(i1, j), i1 - i0),
             dv: between(get(i, j0), get(i, j1), j1 - j0),
-            second: Default::default(),
+            ..Derivatives::default()
         };
         found.put::<2>(out, layout.place([i, j]));
     }

@@ -13,7 +13,7 @@ mod tangents;
 
 pub(super) use derivatives::linear_at;
 #[cfg(feature = "gpu")]
-pub(super) use derivatives::linear_derivatives;
+pub(super) use derivatives::{linear_derivatives, upright};
 pub(crate) use owners::Displaced;
 
 use super::Surface;

@@ -1,9 +1,11 @@
 //! What of a displaced surface belongs to whom, and what does not move: once per topology, directions once per points.
 
+use super::rims::corners_of;
 use crate::displace::normal::unit;
 use crate::displace::{Displacement, mitre};
 use crate::math;
-use crate::surface::Surface;
+use crate::patch::FacePatches;
+use crate::surface::{PatchCage, Surface};
 use crate::topology::{NONE, Topology};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -36,17 +38,14 @@ impl Displaced {
         let extra = first..whole.fans().len() as u32;
         let held_vertices = extra.map(|fan| whole.fan_vertex(fan)).collect();
         let mut directions = BTreeMap::new();
-        if surface.linear {
-            directions = linear_directions(surface);
-        }
+        let mut patches = FacePatches::default();
         for (v, fan) in (0..).zip(whole.fans()) {
             let cuts = |h: u32| cut.fans()[cut.fan(h) as usize].faces != fan.faces;
-            if fan.first == NONE || surface.linear || !cuts(fan.first) {
-                continue;
+            if fan.first != NONE && (surface.linear || cuts(fan.first)) {
+                let all = surface.mitred_at(v).into_iter();
+                let normals = all.filter_map(|h| surface.drawn_corner(h, &mut patches));
+                directions.insert(v, mitre(&normals.collect::<Vec<_>>()));
             }
-            let fans = sectors(whole, cut, v);
-            let normals = fans.iter().map(|&fan| surface.fan_limit(fan).1);
-            directions.insert(v, mitre(&normals.collect::<Vec<_>>()));
         }
         let most = displacement.most();
         // Mitres.
@@ -84,30 +83,6 @@ fn sectors(whole: &Topology, cut: &Topology, v: u32) -> Vec<u32> {
     out
 }
 
-/// Directions of the vertices of a bilinear surface, where every edge is a crease: mitres of their faces' normals.
-fn linear_directions(surface: &Surface) -> BTreeMap<u32, [f32; 3]> {
-    let (t, points) = (surface.quads(), surface.control_points());
-    let at = |h: u32| points[t.vertex(h) as usize];
-    let mut out = BTreeMap::new();
-    for (v, fan) in (0..).zip(t.fans()).filter(|(_, fan)| fan.first != NONE) {
-        let mut h = fan.first;
-        let mut normals = Vec::new();
-        for _ in 0..fan.faces {
-            let (next, before) = (
-                math::sub(at(t.next(h)), at(h)),
-                math::sub(at(t.prev(h)), at(h)),
-            );
-            normals.extend(unit(next, before));
-            h = t.rotate(h);
-            if h == NONE {
-                break;
-            }
-        }
-        out.insert(v, mitre(&normals));
-    }
-    out
-}
-
 impl Surface {
     /// Displaces the surface from now on, in [`Surface::dice`] and pictures; `None` takes the displacement away. A map needs texture
     /// coordinates: without, it is read at (0, 0). PN triangles then stand on the cage's own normals, not those of the file. Evaluation at places ([`evaluate`](crate::evaluate)) goes on answering for the limit
@@ -131,22 +106,13 @@ impl Surface {
         self.displaced.as_ref().map_or(0.0, |d| d.reach)
     }
 
-    /// The half-edges whose corners have the normals that the direction of corner `h` is the mitre of: where that is not its own normal.
-    /// None where nothing moves.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn mitred_corner(&self, h: u32) -> Option<Vec<u32>> {
-        let on = self.displaced.as_ref()?;
+    /// The half-edges of fan `v` of the whole mesh whose corners have the normals that its direction is the mitre of, if it is one of several: one of
+    /// each side of creases, or of every face where all edges are creases.
+    fn mitred_at(&self, v: u32) -> Vec<u32> {
         let (whole, cut) = (self.whole_quads(), self.quads());
-        let v = whole.fan(h);
-        if on.held_vertices.contains(&whole.vertex(h)) {
-            return None;
-        }
-        if !on.directions.contains_key(&v) {
-            return Some(Vec::new());
-        }
         if !self.linear {
             let first = |fan: u32| cut.fans()[fan as usize].first;
-            return Some(sectors(whole, cut, v).into_iter().map(first).collect());
+            return sectors(whole, cut, v).into_iter().map(first).collect();
         }
         let fan = &whole.fans()[v as usize];
         let mut out = Vec::new();
@@ -158,7 +124,43 @@ impl Surface {
                 break;
             }
         }
-        Some(out)
+        out
+    }
+
+    /// Unit normal at the corner that half-edge `h` of the quads begins with, on its side of creases, of what is drawn; nothing where a bilinear face
+    /// has none.
+    fn drawn_corner(&self, h: u32, patches: &mut FacePatches) -> Option<[f32; 3]> {
+        let t = self.quads();
+        if let Some(PatchCage::Pn(cage)) = &self.patches {
+            let (base, points) = (&self.mesh.base, &self.cage.points);
+            let q = t.face_of(h);
+            patches.take(cage, base, points, q, self.is_split(), 0);
+            let c = (h - t.face_halves(q).start) as usize;
+            let [u, v] = corners_of(self.triangles)[c].map(|x| x as f32);
+            return Some(patches.at(u, v).1);
+        }
+        if !self.linear {
+            return Some(self.fan_limit(t.fan(h)).1);
+        }
+        let [own, next, before] =
+            [h, t.next(h), t.prev(h)].map(|h| self.control_points()[t.vertex(h) as usize]);
+        unit(math::sub(next, own), math::sub(before, own))
+    }
+
+    /// The half-edges whose corners have the normals that the direction of corner `h` is the mitre of: where that is not its own normal.
+    /// None where nothing moves.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn mitred_corner(&self, h: u32) -> Option<Vec<u32>> {
+        let on = self.displaced.as_ref()?;
+        let whole = self.whole_quads();
+        let v = whole.fan(h);
+        if on.held_vertices.contains(&whole.vertex(h)) {
+            return None;
+        }
+        if !on.directions.contains_key(&v) {
+            return Some(Vec::new());
+        }
+        Some(self.mitred_at(v))
     }
 
     /// The same of the side that is half-edge `h`: both half-edges of its edge at creases.
@@ -182,6 +184,12 @@ impl Surface {
     pub(in crate::surface) fn update_displacement(&mut self) {
         let displacement = self.displacement().cloned();
         self.set_displacement(displacement);
+    }
+
+    /// Whether both derivatives at the corner that half-edge `h` begins with have one direction.
+    pub(in crate::surface) fn is_flat_corner(&self, h: u32) -> bool {
+        let t = self.quads();
+        t.fans()[t.fan(h) as usize].is_flat()
     }
 
     pub(super) fn halves_of(&self, face: u32) -> std::ops::Range<u32> {

@@ -34,6 +34,11 @@ pub(super) struct Corner {
 const QUAD: [[u32; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
 const TRIANGLE: [[u32; 2]; 3] = [[0, 0], [1, 0], [1, 1]];
 
+/// Those of a face.
+pub(super) fn corners_of(triangle: bool) -> &'static [[u32; 2]] {
+    if triangle { &TRIANGLE } else { &QUAD }
+}
+
 /// Grid point `k` of side `c` of a face of `n` segments.
 pub(super) fn on_side(corners: &[[u32; 2]], c: usize, k: u32, n: u32) -> [u32; 2] {
     let (a, b) = (corners[c], corners[(c + 1) % corners.len()]);
@@ -50,7 +55,7 @@ impl DisplacedPatch {
     }
 
     pub(super) fn corners(&self) -> &'static [[u32; 2]] {
-        if self.triangle { &TRIANGLE } else { &QUAD }
+        corners_of(self.triangle)
     }
 
     pub(super) fn prepare_rims(&mut self, surface: &Surface, on: &Displaced) {
@@ -109,20 +114,14 @@ impl DisplacedPatch {
         }
     }
 
-    /// Mitres along a crease, from the normals of both of its sides.
+    /// Mitres along a crease, from the normals of both of its sides: those of patches where they are drawn, as all points move along.
     fn crease_directions(&mut self, surface: &Surface, whole: &Topology, c: usize, h: u32) {
         let (first, second) = (
             whole.edge_half(whole.edge(h)),
             whole.twin(whole.edge_half(whole.edge(h))),
         );
         let mut normals = [first, second].map(|half| {
-            self.other.prepare_side(
-                surface,
-                Kind::Points,
-                whole.face_of(half),
-                self.level,
-                Sides::Normals,
-            );
+            (self.other).prepare_drawn_side(surface, whole.face_of(half), self.level);
             let side = half - whole.face_halves(whole.face_of(half)).start;
             self.other.side_samples(side as usize).1
         });

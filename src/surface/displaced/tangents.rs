@@ -1,6 +1,6 @@
 //! Derivatives of the limit surface at the points of a part: what its normals are made of, and what tilts normals pixel by pixel.
 
-use super::derivatives::{differences, linear_rows};
+use super::derivatives::{at_corner, differences, linear_rows};
 use super::layout::Layout;
 use super::{DisplacedPatch, Rows};
 use crate::control::Kind;
@@ -48,6 +48,22 @@ impl DisplacedPatch {
                 }
             }
         }
+        let first = surface.halves_of(self.face).start;
+        self.on_corners(part, |c, at| {
+            if !surface.is_flat_corner(first + c as u32) {
+                return;
+            }
+            let (at, place) = (layout.place(at), self.corners()[c].map(|x| x as f32));
+            let Some(found) = own.at::<2>(surface, Kind::Points, self.face, place) else {
+                return;
+            };
+            let coordinates = (self.has_uvs).then(|| self.uv_at(surface, own_uv, self.face, place));
+            let [found, coordinates] = at_corner(found, coordinates);
+            found.put::<2>(out, at);
+            if self.has_uvs {
+                coordinates.put::<1>(by, at);
+            }
+        });
     }
 
     /// Leaves in `out` the vectors by which slopes of the map tilt normals, at the points of a part: limit points and normals, and texture
