@@ -390,8 +390,11 @@ mod with {
         })
     }
 
-    /// Names of the rows of a model by level, what draws keys, and stage.
-    const LEVELS: [(u32, Raster, &[(&str, &str)]); 4] = [
+    /// A level, what draws keys, and the names of its rows by stage.
+    type LevelRows = (u32, Raster, &'static [(&'static str, &'static str)]);
+
+    /// Rows of a model.
+    const LEVELS: [LevelRows; 4] = [
         (
             5,
             Raster::Compute,

@@ -7,7 +7,8 @@
 //! asks for four) snaps corners again, coarser.
 //!
 //! Depths grow towards the eye, near / w, in 32-bit floats (Reed, Depth precision visualized, 2015). Of equal depths the first that is drawn
-//! stays: that of the lowest chunk, then of the smaller block, then of the lowest id; in the compute stages it is the lowest id.
+//! stays: of the lowest chunk, of grids before lists, of smaller blocks before larger ones, then of the lowest id; in the compute stages it is
+//! the lowest id. Depths are interpolated by the device, so which are equal is its own affair.
 
 use super::device::Gpu;
 use super::error::GpuError;
@@ -206,9 +207,12 @@ impl HardwareRaster {
         let stage = pipelines.raster(gpu)?;
         let ids = target(gpu, [width, rows], IDS)?;
         let depths = target(gpu, [width, rows], DEPTHS)?;
-        let [draw, collect] = [&stage.draw.get_bind_group_layout(1), &{
-            stage.collect.pipeline.get_bind_group_layout(1)
-        }];
+        let layouts = |group: u32| {
+            let collect = &stage.collect.pipeline;
+            let draw = stage.draw.get_bind_group_layout(group);
+            [draw, collect.get_bind_group_layout(group)]
+        };
+        let [draw, collect] = &layouts(1);
         let pass = |sample: u32| {
             let of = Target {
                 sample,
@@ -223,9 +227,7 @@ impl HardwareRaster {
             })
         };
         let samples = (0..samples).map(pass).collect::<Result<_, GpuError>>()?;
-        let [draw, collect] = [&stage.draw.get_bind_group_layout(0), &{
-            stage.collect.pipeline.get_bind_group_layout(0)
-        }];
+        let [draw, collect] = &layouts(0);
         let band = |b: &PictureBand<'_>| BandPass {
             rows: b.rows,
             draw: (b.read.iter())

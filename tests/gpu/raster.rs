@@ -2,7 +2,7 @@
 
 use crate::patterns::{cut, patterned};
 use crate::pictures::check;
-use crate::{asset, gpu, gpu_with, plain, uniform};
+use crate::{asset, gpu_with, plain, uniform};
 use earmark::film::Image;
 use earmark::frame::Refinement;
 use earmark::gpu::{DeviceOptions, Gpu, GpuScene, Raster};
@@ -10,6 +10,17 @@ use earmark::scheme::Scheme;
 use earmark::shade::ShadeMode;
 use earmark::tessellate::Pattern;
 use earmark::{Camera, Renderer, Scene, SurfaceOptions};
+use std::sync::OnceLock;
+
+/// One device for all tests of this file, whose scenes are drawn by its own rasteriser from the beginning.
+fn hardware(what: &str) -> Option<&'static Gpu> {
+    static DEVICE: OnceLock<Option<Gpu>> = OnceLock::new();
+    let options = DeviceOptions {
+        raster: Raster::Hardware,
+        ..DeviceOptions::default()
+    };
+    DEVICE.get_or_init(|| gpu_with(what, &options)).as_ref()
+}
 
 /// Samples that show something, those that show something else by the device's own rasteriser, and of these such that only one of both shows
 /// anything.
@@ -80,14 +91,16 @@ fn cases() -> Vec<(&'static str, Scene, Renderer, Camera)> {
     };
     let ring = inside([0.0, 0.2, 0.0], [0.0, 0.0, 1.0]);
     let through = inside([1.35, 0.05, 0.0], [0.0, 0.0, 0.6]);
-    let near_plane = base.with_ortho().with_near_far(2.3, 10.0);
+    // The half of the ring that is behind.
+    let half = (base.with_ortho())
+        .with_eye_target([0.0, 1.0, 2.0], [0.0; 3])
+        .with_near_far(2.2, 6.0);
     let split = patterned(Pattern::Split);
-    let equilateral = patterned(Pattern::Equilateral);
     vec![
         ("samples_1", creature(), with(1, 3), base),
         ("samples_4", creature(), with(4, 3), base),
         ("samples_8", creature(), with(8, 2), base),
-        ("samples_16", creature(), with(16, 4), base),
+        ("samples_16", creature(), with(16, 2), base),
         ("flat", creature(), flat(with(4, 2)), base),
         (
             "ortho",
@@ -95,29 +108,24 @@ fn cases() -> Vec<(&'static str, Scene, Renderer, Camera)> {
             with(4, 2),
             base.with_ortho(),
         ),
-        ("ortho_clipped", torus(), with(4, 2), near_plane),
+        ("ortho_clipped", torus(), with(4, 2), half),
         ("loop", of("octahedron", Scheme::Loop), with(4, 4), base),
         ("close", creature(), with(4, 1), base.with_zoom(20.0)),
         ("ring", torus(), with(4, 1), ring),
         ("through", torus(), with(4, 3), through),
         ("adaptive", creature(), adaptive(), base),
-        ("adaptive_near", creature(), adaptive(), base.with_zoom(3.0)),
-        ("split", creature(), by(split), base),
-        ("equilateral", creature(), flat(by(equilateral)), base),
-        ("cut", cut(), with(4, 2), base),
-        ("cut_near", cut(), with(4, 2), base.with_zoom(6.0)),
-        ("cut_split", cut(), by(split), base),
+        ("cut_split", cut(), flat(by(split)), base.with_zoom(2.0)),
     ]
 }
 
 #[test]
 fn hardware_draws_the_same_triangles() {
-    let Some(gpu) = gpu("hardware raster") else {
+    let Some(gpu) = hardware("hardware raster") else {
         return;
     };
     let (mut run, mut all, mut decided) = (0, Found::default(), 0);
     for (name, scene, renderer, camera) in cases() {
-        let mut ready = GpuScene::new(&gpu, &renderer, &scene, &camera).unwrap();
+        let mut ready = GpuScene::new(gpu, &renderer, &scene, &camera).unwrap();
         let (image, found) = both_ways(&mut ready);
         println!("gpu hardware raster {name}: {found:?}");
         assert!(found.seen > 1000, "{name}: {found:?}");
@@ -130,26 +138,21 @@ fn hardware_draws_the_same_triangles() {
         all.bare += found.bare;
         run += 1;
     }
-    assert_eq!(decided, 2);
+    assert_eq!(decided, 1);
     println!("gpu hardware raster: {run} cases, {all:?}");
-}
-
-/// A device whose scenes are drawn by its own rasteriser from the beginning.
-fn hardware(what: &str, max_binding: u64) -> Option<Gpu> {
-    let options = DeviceOptions {
-        max_binding,
-        raster: Raster::Hardware,
-        ..DeviceOptions::default()
-    };
-    gpu_with(what, &options)
 }
 
 #[test]
 fn hardware_draws_chunks_and_bands_the_same() {
-    let Some(whole) = hardware("hardware chunks", 0) else {
+    let Some(whole) = hardware("hardware chunks") else {
         return;
     };
-    let Some(small) = hardware("hardware chunks", 1_500_000) else {
+    let small = DeviceOptions {
+        max_binding: 1_500_000,
+        raster: Raster::Hardware,
+        ..DeviceOptions::default()
+    };
+    let Some(small) = gpu_with("hardware chunks", &small) else {
         return;
     };
     let scene = of("creature", Scheme::CatmullClark);
@@ -163,7 +166,7 @@ fn hardware_draws_chunks_and_bands_the_same() {
         got.stats
     );
     assert_eq!(got.stats.raster, Raster::Hardware);
-    let mut one = GpuScene::new(&whole, &renderer, &scene, &camera).unwrap();
+    let mut one = GpuScene::new(whole, &renderer, &scene, &camera).unwrap();
     let want = one.draw().unwrap();
     assert_eq!(want.stats.bands, 1);
     assert_eq!(got.image.data, want.image.data);
@@ -180,14 +183,14 @@ fn hardware_draws_chunks_and_bands_the_same() {
 
 #[test]
 fn what_is_measured_is_kept() {
-    let Some(gpu) = gpu("measured raster") else {
+    let Some(gpu) = hardware("measured raster") else {
         return;
     };
     let scene = of("creature", Scheme::CatmullClark);
     let mut renderer = uniform(120, 90, 2);
     renderer.measure = true;
     let draw = |raster: Option<Raster>| {
-        let mut ready = GpuScene::new(&gpu, &renderer, &scene, &Camera::default()).unwrap();
+        let mut ready = GpuScene::new(gpu, &renderer, &scene, &Camera::default()).unwrap();
         if let Some(raster) = raster {
             ready.raster_by(raster).unwrap();
         }
@@ -198,7 +201,8 @@ fn what_is_measured_is_kept() {
         _ => "tile",
     };
     let [compute, hardware] = [Raster::Compute, Raster::Hardware].map(|r| draw(Some(r)));
-    assert_eq!(draw(None).image.data, compute.image.data);
+    // As the device was opened.
+    assert_eq!(draw(None).image.data, hardware.image.data);
     for (drawn, raster) in [(&compute, Raster::Compute), (&hardware, Raster::Hardware)] {
         assert_eq!(drawn.stats.raster, raster);
         if gpu.adapter().timestamps {

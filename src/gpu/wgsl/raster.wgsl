@@ -48,7 +48,7 @@ fn placed(p: vec3<f32>) -> vec4<f32> {
 }
 
 // A grid has every point twice, once for each half of the micro-quads around it: a triangle shows the half of all its corners, and the place
-// of the first. Of a list every third vertex begins a triangle.
+// of the first, which is never in the last row or column. Of a list every third vertex begins a triangle.
 @vertex
 fn corner(@builtin(vertex_index) vertex: u32, @location(0) number: u32) -> Corner {
     let block = blocks[number];
