@@ -72,7 +72,8 @@ pub struct DeviceOptions {
     pub max_binding: u64,
     /// Draw keys in two passes although one would do, for tests.
     pub two_pass: bool,
-    /// What draws keys; [`GpuScene::raster_by`](super::GpuScene::raster_by) changes it for one scene.
+    /// What draws keys; [`GpuScene::raster_by`](super::GpuScene::raster_by) changes it for one scene. Scenes whose pictures are too large for
+    /// what is asked for here are refused, not drawn otherwise.
     pub raster: Raster,
 }
 

@@ -13,7 +13,7 @@
 //! | `dice` | `dice.wgsl` | points of a block's inside; what lies on sides is copied, so shared points have the same bits |
 //! | `tile` | `tile.wgsl` | micro-quads: projected, snapped, covered samples by exact integers into visibility keys |
 //! | `large` | `large.wgsl` | quads of many pixels and clipped ones, a workgroup each |
-//! | `raster` | `raster.wgsl` | in place of the two before, where asked for: vertices of micro-triangles for the device's own rasteriser, then a pixel |
+//! | `raster` | `raster.wgsl` | in place of the two before, if `Raster` says so: a corner for the device's own rasteriser, then a pixel |
 //! | `shade` | `shade.wgsl` | a pixel: its samples that show one place of the surface together, as on the processor |
 //! | `film` | `film.wgsl` | a pixel: resolved and encoded |
 //!
