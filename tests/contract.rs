@@ -2,7 +2,7 @@
 
 use earmark::gpu::records::{
     Block, Chunk, Edge, Face, Frame, Lift, Material, Mesh, Metric, Move, Outputs, Patch, Record,
-    Rise, Room, Spot, Stencil, words,
+    Rise, Room, Spot, Stencil, Target, words,
 };
 use earmark::gpu::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -76,6 +76,7 @@ fn records_have_one_layout() {
     check::<Edge>(&module);
     check::<Room>(&module);
     check::<Outputs>(&module);
+    check::<Target>(&module);
 }
 
 #[test]

@@ -28,6 +28,8 @@ mod pictures;
 mod points;
 #[path = "gpu/program.rs"]
 mod program;
+#[path = "gpu/raster.rs"]
+mod raster;
 #[path = "gpu/refusals.rs"]
 mod refusals;
 mod support;

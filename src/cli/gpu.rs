@@ -87,7 +87,9 @@ mod with {
     use crate::cli::outputs::print_text;
     use crate::cli::stats::{Clock, Json, Time};
     use earmark::frame::{Finished, FrameStats, Refinement};
-    use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene, GpuStats, Refiner, adapters};
+    use earmark::gpu::{
+        DeviceOptions, Gpu, GpuError, GpuScene, GpuStats, Raster, Refiner, adapters,
+    };
     use earmark::{Camera, Renderer, Scene, Surface};
     use std::fmt::Write;
     use std::time::Duration;
@@ -314,7 +316,7 @@ mod with {
 
     /// Times of steady frames: points up, all stages, picture down; then those of the stages, because keeping them takes time itself.
     fn measure(
-        gpu: &Gpu,
+        (gpu, raster): (&Gpu, Raster),
         renderer: &mut Renderer,
         scene: &Scene,
         camera: &Camera,
@@ -328,6 +330,7 @@ mod with {
             .flat_map(|o| o.surface.cage().points().iter().copied())
             .collect();
         let mut ready = GpuScene::new(gpu, renderer, scene, camera)?;
+        ready.raster_by(raster)?;
         let warm = ready.draw()?;
         for _ in 0..repeat {
             renderer.limits.check()?;
@@ -369,7 +372,7 @@ mod with {
         }
         let mut renderer = renderer(job, a);
         let stats = measure(
-            &gpu,
+            (&gpu, Raster::default()),
             &mut renderer,
             scene,
             &camera,
@@ -387,11 +390,15 @@ mod with {
         })
     }
 
-    /// Names of the rows of a model by level and stage.
-    const LEVELS: [(u32, [(&str, &str); 5]); 2] = [
+    /// A level, what draws keys, and the names of its rows by stage.
+    type LevelRows = (u32, Raster, &'static [(&'static str, &'static str)]);
+
+    /// Rows of a model.
+    const LEVELS: [LevelRows; 4] = [
         (
             5,
-            [
+            Raster::Compute,
+            &[
                 ("total", "l5-total"),
                 ("dice", "l5-dice"),
                 ("tile", "l5-tile"),
@@ -400,8 +407,14 @@ mod with {
             ],
         ),
         (
+            5,
+            Raster::Hardware,
+            &[("total", "l5-raster-total"), ("raster", "l5-raster")],
+        ),
+        (
             6,
-            [
+            Raster::Compute,
+            &[
                 ("total", "l6-total"),
                 ("dice", "l6-dice"),
                 ("tile", "l6-tile"),
@@ -409,6 +422,23 @@ mod with {
                 ("film", "l6-film"),
             ],
         ),
+        (
+            6,
+            Raster::Hardware,
+            &[("total", "l6-raster-total"), ("raster", "l6-raster")],
+        ),
+    ];
+
+    /// Names of the papers' rows where the device's own rasteriser draws.
+    const PAPERS_BY_HARDWARE: [(&str, &str); 8] = [
+        ("gamer-65000", "gamer-65000-raster"),
+        ("gamer-4000", "gamer-4000-raster"),
+        ("qas-2720", "qas-2720-raster"),
+        ("qas-2516", "qas-2516-raster"),
+        ("qas-546", "qas-546-raster"),
+        ("antal-0", "antal-0-raster"),
+        ("antal-1", "antal-1-raster"),
+        ("antal-2", "antal-2-raster"),
     ];
 
     /// `bench gpu`: everything that is compared with figures from elsewhere, in one run.
@@ -421,11 +451,11 @@ mod with {
         let mut rows: Vec<Row> = Vec::new();
         let mut last = GpuStats::default();
         let mut plain = renderer(job, a);
-        for (level, names) in LEVELS {
+        for (level, raster, names) in LEVELS {
             plain.refinement = Refinement::Uniform(level);
             let camera = a.picture.camera();
             last = measure(
-                &gpu,
+                (&gpu, raster),
                 &mut plain,
                 scene,
                 &camera,
@@ -441,24 +471,27 @@ mod with {
         for row in uniform_rows() {
             plain.refinement = Refinement::Uniform(row.level);
             let scene = Scene::of(Surface::new(row.cage?, &row.options));
-            let camera = Camera::default();
-            let stats = measure(
-                &gpu,
-                &mut plain,
-                &scene,
-                &camera,
-                a.repeat,
-                |name, time, s| {
-                    if name == "total" {
-                        push(&mut rows, row.name, time, &|_| s.microtriangles);
-                    }
-                },
-            )?;
-            let published = Published {
-                milliseconds: row.published_ms,
-                coarse: stats.faces,
-            };
-            publish(&mut rows, row.name, published);
+            let by_hardware = PAPERS_BY_HARDWARE.iter().find(|n| n.0 == row.name);
+            let by_hardware = by_hardware.map(|n| (n.1, Raster::Hardware));
+            for (own, raster) in [(row.name, Raster::Compute)].into_iter().chain(by_hardware) {
+                let stats = measure(
+                    (&gpu, raster),
+                    &mut plain,
+                    &scene,
+                    &Camera::default(),
+                    a.repeat,
+                    |name, time, s| {
+                        if name == "total" {
+                            push(&mut rows, own, time, &|_| s.microtriangles);
+                        }
+                    },
+                )?;
+                let published = Published {
+                    milliseconds: row.published_ms,
+                    coarse: stats.faces,
+                };
+                publish(&mut rows, own, published);
+            }
         }
         for (name, iterations, [_, published]) in CUBES {
             let surface = Surface::new(cube_cage()?, &earmark::SurfaceOptions::default());

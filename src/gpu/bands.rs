@@ -5,6 +5,7 @@ use super::error::GpuError;
 use super::flatness::COUNT_BYTES;
 use super::outputs::Outputs;
 use super::pipelines::{Pipelines, Stage};
+use super::raster::{HardwareRaster, Picture, PictureBand, RASTER};
 use super::records::{Frame, Record, words};
 use super::timer::{self, Timer};
 use super::upload::{DeviceChunk, uniform};
@@ -18,6 +19,8 @@ const LARGE_GROUPS: u32 = 1024;
 
 /// Stages of a band that are timed, in the order of their passes.
 pub(super) const TIMED: [&str; 3] = ["tile", "shade", "film"];
+/// The same where the device's own rasteriser draws.
+const TIMED_BY_HARDWARE: [&str; 3] = [RASTER, "shade", "film"];
 
 struct Band {
     rows: [u32; 2],
@@ -35,22 +38,48 @@ struct Band {
 pub(super) struct Bands {
     size: ScreenSize,
     bands: Vec<Band>,
-    keys: wgpu::Buffer,
+    /// Of the last band that was drawn.
+    pub(super) keys: wgpu::Buffer,
     sums: wgpu::Buffer,
     /// A band of the picture.
     image: wgpu::Buffer,
     /// The same of what is written beside it.
     codes: wgpu::Buffer,
     outputs: Outputs,
+    shared: Shared,
+    /// What draws keys in place of `tile` and `large`, if that is to be the device's own rasteriser.
+    pub(super) by_hardware: Option<HardwareRaster>,
     /// The whole picture, what is beside it, and counts, on their way down.
     staging: wgpu::Buffer,
 }
 
 /// What is read of a scene beside its chunks.
-pub(super) struct Shared<'a> {
-    pub(super) materials: &'a wgpu::Buffer,
-    pub(super) textures: &'a wgpu::Buffer,
-    pub(super) heights: &'a wgpu::Buffer,
+pub(super) struct Shared {
+    pub(super) materials: wgpu::Buffer,
+    pub(super) textures: wgpu::Buffer,
+    pub(super) heights: wgpu::Buffer,
+}
+
+impl Shared {
+    /// What is read of a chunk by all that draws keys.
+    fn read_of<'b>(
+        &'b self,
+        frame: &'b wgpu::Buffer,
+        c: &'b DeviceChunk,
+        phase: usize,
+    ) -> [(u32, &'b wgpu::Buffer); 9] {
+        [
+            (0, frame),
+            (1, &c.phases[phase]),
+            (2, &c.blocks),
+            (3, &c.points),
+            (6, &c.faces),
+            (7, &self.materials),
+            (8, &c.uvs),
+            (9, &self.textures),
+            (10, &c.lists),
+        ]
+    }
 }
 
 impl Bands {
@@ -59,7 +88,7 @@ impl Bands {
         pipelines: &Pipelines,
         (size, outputs): (ScreenSize, Outputs),
         chunks: &[DeviceChunk],
-        shared: &Shared<'_>,
+        shared: Shared,
         budget: &mut Budget<'_>,
     ) -> Result<Self, GpuError> {
         let words = u64::from(outputs.words());
@@ -70,7 +99,7 @@ impl Bands {
         let band_pixels = u64::from(size.width) * u64::from(rows);
         let storage = Usage::STORAGE | Usage::COPY_DST;
         let down = storage | Usage::COPY_SRC;
-        let keys = gpu.empty("keys", band_pixels * 8 * u64::from(size.samples), storage)?;
+        let keys = gpu.empty("keys", band_pixels * 8 * u64::from(size.samples), down)?;
         let sums = gpu.empty("sums", band_pixels * 16, storage)?;
         let image = gpu.empty("picture", 4 * band_pixels, down)?;
         let codes = gpu.empty("outputs", 4 * words * band_pixels, down)?;
@@ -94,22 +123,8 @@ impl Bands {
                 Usage::UNIFORM | Usage::COPY_DST,
             )?;
             let drawn = |stage: &Stage, c: &DeviceChunk, phase: usize| {
-                stage.bind(
-                    gpu,
-                    &[
-                        (0, &frame),
-                        (1, &c.phases[phase]),
-                        (2, &c.blocks),
-                        (3, &c.points),
-                        (4, &keys),
-                        (5, &c.large),
-                        (6, &c.faces),
-                        (7, shared.materials),
-                        (8, &c.uvs),
-                        (9, shared.textures),
-                        (10, &c.lists),
-                    ],
-                )
+                let read = shared.read_of(&frame, c, phase);
+                stage.bind(gpu, &[&read[..], &[(4, &keys), (5, &c.large)]].concat())
             };
             let all = |stage: &Stage| -> Vec<Vec<wgpu::BindGroup>> {
                 let phases = |c: &DeviceChunk| 0..c.phases.len();
@@ -125,13 +140,13 @@ impl Bands {
                         (3, &c.points),
                         (4, &keys),
                         (5, &c.faces),
-                        (6, shared.materials),
+                        (6, &shared.materials),
                         (8, &c.uvs),
-                        (9, shared.textures),
+                        (9, &shared.textures),
                         (10, &c.colors),
                         (11, &c.tangents),
                         (12, &c.rise),
-                        (13, shared.heights),
+                        (13, &shared.heights),
                         (15, &c.lists),
                     ];
                     stage.bind(gpu, &[&read, own].concat())
@@ -160,6 +175,8 @@ impl Bands {
             image,
             codes,
             outputs,
+            shared,
+            by_hardware: None,
             staging,
         })
     }
@@ -171,7 +188,39 @@ impl Bands {
     /// Bytes on the device.
     pub(super) fn bytes(&self) -> u64 {
         let all = [&self.keys, &self.sums, &self.image, &self.codes];
-        all.iter().map(|b| b.size()).sum()
+        let by_hardware = self.by_hardware.as_ref().map_or(0, HardwareRaster::bytes);
+        by_hardware + all.iter().map(|b| b.size()).sum::<u64>()
+    }
+
+    /// Names of the stages of [`TIMED`] as the picture is drawn.
+    pub(super) fn timed(&self) -> [&'static str; TIMED.len()] {
+        match self.by_hardware {
+            Some(_) => TIMED_BY_HARDWARE,
+            None => TIMED,
+        }
+    }
+
+    /// Lets the device's own rasteriser draw keys from now on.
+    pub(super) fn make_hardware(
+        &mut self,
+        gpu: &Gpu,
+        pipelines: &Pipelines,
+        chunks: &[DeviceChunk],
+    ) -> Result<(), GpuError> {
+        let bands = self.bands.iter().map(|band| PictureBand {
+            rows: band.rows[1] - band.rows[0],
+            frame: &band.frame,
+            read: (chunks.iter())
+                .map(|c| self.shared.read_of(&band.frame, c, 0).to_vec())
+                .collect(),
+        });
+        let picture = Picture {
+            size: self.size,
+            keys: &self.keys,
+            bands: bands.collect(),
+        };
+        self.by_hardware = Some(HardwareRaster::new(gpu, pipelines, &picture, chunks)?);
+        Ok(())
     }
 
     pub(super) fn outputs(&self) -> &Outputs {
@@ -214,7 +263,8 @@ impl Bands {
         let row_bytes = 4 * u64::from(self.size.width);
         for (k, band) in self.bands.iter().enumerate() {
             let first = (k * TIMED.len()) as u32;
-            self.encode_band(gpu, encoder, (pipelines, chunks, timer), (band, first))?;
+            self.encode_keys(gpu, encoder, (pipelines, chunks, timer), (k, first))?;
+            self.encode_band(gpu, encoder, (pipelines, timer), (band, first))?;
             let [start, end] = band.rows.map(|row| u64::from(row) * row_bytes);
             encoder.copy_buffer_to_buffer(&self.image, 0, &self.staging, start, end - start);
             if words > 0 {
@@ -225,18 +275,21 @@ impl Bands {
         Ok(())
     }
 
-    /// Draws a band; its passes are numbered from `first` on.
-    fn encode_band(
+    /// Draws the keys of band `k`, in a pass with the number `first`.
+    fn encode_keys(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         (p, chunks, timer): (&Pipelines, &[DeviceChunk], Option<&Timer>),
-        (band, first): (&Band, u32),
+        (k, first): (usize, u32),
     ) -> Result<(), GpuError> {
-        let [tile, shade, film] = TIMED;
+        if let Some(hardware) = &self.by_hardware {
+            hardware.encode(encoder, (p.raster(gpu)?, timer), (k, first));
+            return Ok(());
+        }
+        let [tile, ..] = TIMED;
+        let band = &self.bands[k];
         encoder.clear_buffer(&self.keys, 0, None);
-        encoder.clear_buffer(&self.sums, 0, None);
-        encoder.clear_buffer(&self.codes, 0, None);
         for c in chunks {
             encoder.clear_buffer(&c.large, 0, Some(4));
         }
@@ -248,7 +301,20 @@ impl Bands {
                 p.large.run(&mut pass, &band.large[k][phase], LARGE_GROUPS);
             }
         }
-        drop(pass);
+        Ok(())
+    }
+
+    /// Makes a band of its keys; their pass is numbered `first`, others follow.
+    fn encode_band(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        (p, timer): (&Pipelines, Option<&Timer>),
+        (band, first): (&Band, u32),
+    ) -> Result<(), GpuError> {
+        let [_, shade, film] = TIMED;
+        encoder.clear_buffer(&self.sums, 0, None);
+        encoder.clear_buffer(&self.codes, 0, None);
         let pixels = self.size.width * (band.rows[1] - band.rows[0]);
         let groups = pixels.div_ceil(GROUP);
         let mut pass = timer::pass(timer, encoder, shade, first + 1);

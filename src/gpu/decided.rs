@@ -95,6 +95,9 @@ impl GpuScene<'_> {
         for (_, flatness) in self.deciding() {
             flatness.run(self.gpu, &mut pass)?;
         }
+        if let Some(hardware) = &self.bands.by_hardware {
+            hardware.sort(self.pipelines.raster(self.gpu)?, &mut pass);
+        }
         drop(pass);
         before.push(FLATNESS);
         for c in &self.chunks {

@@ -3,6 +3,7 @@
 use super::error::GpuError;
 use super::flatness::FlatnessPipelines;
 use super::pipelines::Pipelines;
+use super::raster::{Measured, Raster};
 use super::wgsl::Variant;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -71,6 +72,9 @@ pub struct DeviceOptions {
     pub max_binding: u64,
     /// Draw keys in two passes although one would do, for tests.
     pub two_pass: bool,
+    /// What draws keys; [`GpuScene::raster_by`](super::GpuScene::raster_by) changes it for one scene. Scenes whose pictures are too large for
+    /// what is asked for here are refused, not drawn otherwise.
+    pub raster: Raster,
 }
 
 fn instance() -> wgpu::Instance {
@@ -130,6 +134,9 @@ pub struct Gpu {
     max_buffer: u64,
     pub(super) wide: bool,
     pub(super) timestamps: bool,
+    /// What draws keys unless a scene is told otherwise.
+    pub(super) raster: Raster,
+    pub(super) measured: Measured,
     /// By the numbers of their variants, made when a picture first needs them.
     pipelines: [OnceLock<Pipelines>; Variant::COUNT],
     flatness: OnceLock<FlatnessPipelines>,
@@ -191,6 +198,8 @@ impl Gpu {
             max_buffer: limits.max_buffer_size,
             wide: summary.wide_atomics,
             timestamps: summary.timestamps,
+            raster: Raster::default(),
+            measured: Measured::default(),
             summary,
             pipelines: Default::default(),
             flatness: OnceLock::new(),
@@ -221,6 +230,8 @@ impl Gpu {
             max_buffer: limits.max_buffer_size,
             wide: summary.wide_atomics,
             timestamps: summary.timestamps,
+            raster: options.raster,
+            measured: Measured::default(),
             device,
             queue,
             summary,

@@ -8,6 +8,7 @@ use super::flatness::COUNT_BYTES;
 use super::further::Further;
 use super::pipelines::Pipelines;
 use super::plan::{Plan, plan};
+use super::raster::Raster;
 use super::read_back::{ReadBlock, read, read_floats};
 use super::ready::Ready;
 use super::records::{POINT_FLOATS, words};
@@ -129,6 +130,7 @@ impl<'a> GpuScene<'a> {
         let (ready, drawn) = Ready::of(renderer, (scene, &view), plan, gpu.max_binding, budget)?;
         let mut made = gpu.caught(|| Self::upload(gpu, drawn, scene, view, ready, budget))?;
         made.decided_by = renderer.decided_by;
+        made.raster_by(gpu.raster)?;
         made.measuring(renderer.measure)?;
         Ok(made)
     }
@@ -186,21 +188,14 @@ impl<'a> GpuScene<'a> {
         scene_bytes += textures.size();
         let materials = gpu.filled("materials", &words(&materials(scene, &places)))?;
         let shared = Shared {
-            materials: &materials,
-            textures: &textures,
-            heights: &heights,
+            materials,
+            textures,
+            heights,
         };
-        let bands = Bands::new(
-            gpu,
-            pipelines,
-            (drawn.size, outputs),
-            &made,
-            &shared,
-            budget,
-        )?;
+        let bands = Bands::new(gpu, pipelines, (drawn.size, outputs), &made, shared, budget)?;
         stats.chunks = made.len() as u32;
         stats.bands = bands.len() as u32;
-        stats.scene_bytes = scene_bytes + bands.bytes();
+        stats.scene_bytes = scene_bytes;
         Ok(Self {
             gpu,
             drawn,
@@ -317,6 +312,11 @@ impl<'a> GpuScene<'a> {
     fn drawn_from(&mut self, view: &View) -> Result<GpuFrame, GpuError> {
         let begin = Instant::now();
         let mut stats = self.stats.clone();
+        stats.scene_bytes += self.bands.bytes();
+        stats.raster = match self.bands.by_hardware {
+            Some(_) => Raster::Hardware,
+            None => Raster::Compute,
+        };
         let queue = self.gpu.queue();
         let mut encoder = self
             .gpu
@@ -388,10 +388,15 @@ impl<'a> GpuScene<'a> {
                 out.push((name, times.sum()));
             }
         }
-        for (k, name) in TIMED.into_iter().enumerate() {
+        for (k, name) in self.bands.timed().into_iter().enumerate() {
             out.push((name, bands.iter().skip(k).step_by(TIMED.len()).sum()));
         }
         out
+    }
+
+    /// Micro-triangles as they were planned; 0 where the device decides.
+    pub(super) fn planned_triangles(&self) -> u64 {
+        self.stats.microtriangles
     }
 
     fn encode_dice(&self, encoder: &mut wgpu::CommandEncoder, number: u32) {

@@ -71,6 +71,8 @@ pub(super) struct Chunk<'a> {
 pub(super) struct DeviceFlatness {
     flatness: Flatness,
     split: u32,
+    /// Blocks that there is room for.
+    pub(super) room: u32,
     metric: wgpu::Buffer,
     totals: wgpu::Buffer,
     dispatched: wgpu::Buffer,
@@ -199,6 +201,7 @@ impl DeviceFlatness {
         Ok(Self {
             flatness: data.flatness,
             split: data.split,
+            room: data.room.blocks,
             metric,
             totals,
             dispatched,
@@ -277,7 +280,7 @@ impl DeviceFlatness {
         pass.dispatch_workgroups_indirect(&self.dispatched, 0);
     }
 
-    /// Its counts, for tests.
+    /// Its counts.
     pub(super) fn totals(&self) -> &wgpu::Buffer {
         &self.totals
     }

@@ -13,6 +13,7 @@
 //! | `dice` | `dice.wgsl` | points of a block's inside; what lies on sides is copied, so shared points have the same bits |
 //! | `tile` | `tile.wgsl` | micro-quads: projected, snapped, covered samples by exact integers into visibility keys |
 //! | `large` | `large.wgsl` | quads of many pixels and clipped ones, a workgroup each |
+//! | `raster` | `raster.wgsl` | in place of the two before, if `Raster` says so: a corner for the device's own rasteriser, then a pixel |
 //! | `shade` | `shade.wgsl` | a pixel: its samples that show one place of the surface together, as on the processor |
 //! | `film` | `film.wgsl` | a pixel: resolved and encoded |
 //!
@@ -60,6 +61,8 @@ pub mod wgsl;
 #[cfg(feature = "gpu")]
 mod bands;
 #[cfg(feature = "gpu")]
+mod chosen;
+#[cfg(feature = "gpu")]
 mod chunk;
 #[cfg(feature = "gpu")]
 #[cfg(feature = "gpu")]
@@ -85,6 +88,8 @@ mod levels;
 #[cfg(feature = "gpu")]
 mod lists;
 #[cfg(feature = "gpu")]
+mod order;
+#[cfg(feature = "gpu")]
 mod outputs;
 #[cfg(feature = "gpu")]
 mod owners;
@@ -96,6 +101,8 @@ mod pipelines;
 mod plan;
 #[cfg(feature = "gpu")]
 mod polygon;
+#[cfg(feature = "gpu")]
+mod raster;
 #[cfg(feature = "gpu")]
 mod read_back;
 #[cfg(feature = "gpu")]
@@ -133,6 +140,8 @@ pub use draw::GpuScene;
 pub use error::GpuError;
 #[cfg(feature = "gpu")]
 pub use levels::Refiner;
+#[cfg(feature = "gpu")]
+pub use raster::Raster;
 #[cfg(feature = "gpu")]
 #[doc(hidden)]
 pub use read_back::ReadBlock;

@@ -1,7 +1,8 @@
-//! Compute pipelines of all stages, made once per device and variant.
+//! Pipelines of all stages, made once per device and variant.
 
 use super::device::Gpu;
 use super::error::GpuError;
+use super::raster::RasterStage;
 use super::wgsl::{self, ACROSS, Keys, Source, Variant};
 use std::sync::OnceLock;
 
@@ -22,6 +23,7 @@ pub(super) struct Pipelines {
     pub(super) shade: Stage,
     pub(super) film: Stage,
     outputs: OnceLock<Stage>,
+    raster: OnceLock<RasterStage>,
     variant: Variant,
 }
 
@@ -38,6 +40,7 @@ impl Pipelines {
             shade: stage(gpu, &module(gpu, &wgsl::shade(variant)), "main"),
             film: stage(gpu, &module(gpu, &wgsl::film()), "main"),
             outputs: OnceLock::new(),
+            raster: OnceLock::new(),
             variant,
         }
     }
@@ -50,6 +53,15 @@ impl Pipelines {
         let source = wgsl::outputs(self.variant);
         let made = gpu.caught(|| Ok(stage(gpu, &module(gpu, &source), "main")))?;
         Ok(self.outputs.get_or_init(|| made))
+    }
+
+    /// The device's own rasteriser: nothing of it is made before it is asked for.
+    pub(super) fn raster(&self, gpu: &Gpu) -> Result<&RasterStage, GpuError> {
+        if let Some(made) = self.raster.get() {
+            return Ok(made);
+        }
+        let made = gpu.caught(|| RasterStage::new(gpu, self.variant))?;
+        Ok(self.raster.get_or_init(|| made))
     }
 }
 
@@ -75,21 +87,33 @@ pub(super) fn stage(gpu: &Gpu, module: &wgpu::ShaderModule, entry: &'static str)
     Stage { pipeline }
 }
 
+/// Binds buffers and textures to the numbers that a source gives them.
+pub(super) fn bind(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    buffers: &[(u32, &wgpu::Buffer)],
+    textures: &[(u32, &wgpu::TextureView)],
+) -> wgpu::BindGroup {
+    let buffers = buffers.iter().map(|&(binding, b)| wgpu::BindGroupEntry {
+        binding,
+        resource: b.as_entire_binding(),
+    });
+    let textures = textures.iter().map(|&(binding, t)| wgpu::BindGroupEntry {
+        binding,
+        resource: wgpu::BindingResource::TextureView(t),
+    });
+    let entries: Vec<wgpu::BindGroupEntry<'_>> = buffers.chain(textures).collect();
+    gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout,
+        entries: &entries,
+    })
+}
+
 impl Stage {
     /// Binds buffers to the numbers that the source gives them.
     pub(super) fn bind(&self, gpu: &Gpu, buffers: &[(u32, &wgpu::Buffer)]) -> wgpu::BindGroup {
-        let entries: Vec<wgpu::BindGroupEntry<'_>> = buffers
-            .iter()
-            .map(|&(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        })
+        bind(gpu, &self.pipeline.get_bind_group_layout(0), buffers, &[])
     }
 
     /// Runs `groups` workgroups, in rows of [`ACROSS`].

@@ -550,5 +550,17 @@ record! {
     }
 }
 
+record! {
+    /// What one pass of the device's own rasteriser draws: a sample of every pixel. A uniform.
+    Target {
+        /// Number of the sample in its pixel.
+        sample: u32,
+        /// Clip space per 1/256 pixel: a power of two.
+        step: f32,
+        /// Nothing.
+        padding: [u32; 2],
+    }
+}
+
 /// Floats of a point of a chunk: position, then unit normal.
 pub const POINT_FLOATS: u32 = 6;

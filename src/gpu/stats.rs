@@ -1,5 +1,6 @@
 //! A finished picture of a device, and what it took.
 
+use super::raster::Raster;
 use crate::camera::View;
 use crate::film::Image;
 use crate::frame::Plane;
@@ -33,6 +34,8 @@ pub struct GpuStats {
     pub chunks: u32,
     /// Bands of rows that the picture was drawn in.
     pub bands: u32,
+    /// What drew keys: [`Raster::Compute`] or [`Raster::Hardware`].
+    pub raster: Raster,
     /// Bytes of the scene on the device.
     pub scene_bytes: u64,
     /// Shapes of surroundings with a table of weights each.

@@ -22,6 +22,34 @@ pub(super) fn pass<'e>(
     })
 }
 
+/// Begins the last pass of a stage of several, of which [`opening`] is the first.
+pub(super) fn last_pass<'e>(
+    timer: Option<&Timer>,
+    encoder: &'e mut wgpu::CommandEncoder,
+    name: &'static str,
+    number: u32,
+) -> wgpu::ComputePass<'e> {
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+        label: Some(name),
+        timestamp_writes: timer.map(|t| wgpu::ComputePassTimestampWrites {
+            beginning_of_pass_write_index: None,
+            ..t.of_stage(number)
+        }),
+    })
+}
+
+/// Where it is kept when a stage begins, in its first pass.
+pub(super) fn opening(
+    timer: Option<&Timer>,
+    number: u32,
+) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+    timer.map(|t| wgpu::RenderPassTimestampWrites {
+        query_set: &t.set,
+        beginning_of_pass_write_index: Some(2 * number),
+        end_of_pass_write_index: None,
+    })
+}
+
 /// Time stamps of some stages.
 #[derive(Debug)]
 pub(super) struct Timer {

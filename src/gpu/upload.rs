@@ -4,6 +4,7 @@ use super::chunk::{ChunkData, NamedBlock};
 use super::device::Gpu;
 use super::error::GpuError;
 use super::flatness::{Chunk, DeviceFlatness};
+use super::order::Size;
 use super::pipelines::Pipelines;
 use super::records::{Lift, Material, POINT_FLOATS, Record, words};
 use crate::frame::Scene;
@@ -30,6 +31,8 @@ pub(super) struct DeviceChunk {
     pub(super) named: Vec<NamedBlock>,
     pub(super) blocks: wgpu::Buffer,
     pub(super) faces: wgpu::Buffer,
+    /// Sizes of the blocks that the processor decided on.
+    pub(super) sizes: Vec<Size>,
     /// What decides on its blocks, where that is the device.
     pub(super) flatness: Option<DeviceFlatness>,
     /// For the first and, with keys in two passes, the second pass.
@@ -217,6 +220,7 @@ pub(super) fn device_chunk(
         sides: pipelines.sides.bind(gpu, &side_bindings),
         curves: has_curves.then(|| pipelines.curves.bind(gpu, &side_bindings)),
         inside: pipelines.inside.bind(gpu, &inside_bindings),
+        sizes: data.blocks.iter().map(Size::of).collect(),
         named: data.named,
         points,
         large,

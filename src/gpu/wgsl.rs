@@ -377,6 +377,21 @@ pub fn large(by: Keys, variant: Variant) -> Source {
     source("large", &parts)
 }
 
+/// Micro-quads into keys, by the device's own rasteriser.
+#[must_use]
+pub fn raster(variant: Variant) -> Source {
+    let parts = [
+        &*variant.constants(),
+        SCREEN,
+        WIDE,
+        SURFACE,
+        TEXTURE,
+        CUTOUT,
+        include_str!("wgsl/raster.wgsl"),
+    ];
+    source("raster", &parts)
+}
+
 /// What reads the surface that samples show.
 fn of_shown(name: &'static str, variant: Variant, own: &[&str]) -> Source {
     let constants = variant.constants();
@@ -425,6 +440,7 @@ pub fn all() -> Vec<Source> {
     out.extend([flatness(), edges(), blocks(), scan()]);
     for variant in Variant::ENDS {
         out.extend([dice(variant), shade(variant), outputs(variant)]);
+        out.push(raster(variant));
         for by in [Keys::Wide, Keys::TwoPass] {
             out.extend([tile(by, variant), large(by, variant)]);
         }

@@ -9,7 +9,7 @@ use earmark::shade::ShadeMode;
 use earmark::tessellate::{DepthTags, Pattern};
 use earmark::{Camera, Renderer, Scene, SurfaceOptions};
 
-fn patterned(pattern: Pattern) -> Refinement {
+pub(crate) fn patterned(pattern: Pattern) -> Refinement {
     Refinement::DepthTags(DepthTags {
         pattern: Some(pattern),
         ..DepthTags::by_distance()
@@ -17,7 +17,7 @@ fn patterned(pattern: Pattern) -> Refinement {
 }
 
 /// A textured model that is cut out, as opacity and colours ask for the size of pixels.
-fn cut() -> Scene {
+pub(crate) fn cut() -> Scene {
     let mut scene = asset("creature", SurfaceOptions::default());
     scene.textures.push(stripes(64));
     let map = Some(scene.textures.len() as u32 - 1);

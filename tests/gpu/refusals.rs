@@ -4,7 +4,7 @@ use crate::pictures::{check, draw};
 use crate::{asset, gpu, gpu_with, plain, torus, uniform};
 use earmark::displace::Displacement;
 use earmark::frame::RenderError;
-use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene};
+use earmark::gpu::{DeviceOptions, Gpu, GpuError, GpuScene, Raster};
 use earmark::limits::LimitError;
 use earmark::{Camera, Renderer, Scene, SurfaceOptions};
 
@@ -139,6 +139,15 @@ fn a_callers_device_gives_errors() {
         matches!(&refused, Err(GpuError::Unsupported { what }) if what.contains("storage buffers")),
         "{refused:?}"
     );
+    // Nothing is rasterised by hardware that is wider than a target of it; the compute stages have none.
+    let wide = asked.required_limits.max_texture_dimension_2d + 1;
+    let mut ready = GpuScene::new(&theirs, &uniform(wide, 8, 1), &scene, &camera).unwrap();
+    let refused = ready.raster_by(Raster::Hardware);
+    assert!(
+        matches!(&refused, Err(GpuError::Unsupported { what }) if what.contains("rasteriser")),
+        "{refused:?}"
+    );
+    assert_eq!(ready.draw().unwrap().stats.raster, Raster::Compute);
     // Larger than its largest buffer.
     let most = asked.required_limits.max_buffer_size;
     let large = uniform(8192, (most / (4 * 8192) + 1) as u32, 1);

@@ -229,3 +229,9 @@ struct Room {
     parts: u32,
     padding: u32,
 }
+
+struct Target {
+    sample: u32,
+    step: f32,
+    padding: vec2<u32>,
+}
