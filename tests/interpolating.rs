@@ -112,10 +112,10 @@ fn cases() -> Vec<(String, Surface, u32)> {
     let mut out = Vec::new();
     for scheme in [Scheme::Kobbelt, Scheme::Butterfly] {
         for (name, level) in [
-            ("cube.obj", 6),
-            ("tetrahedron.obj", 6),
-            ("octahedron.obj", 6),
-            ("fan3.obj", 6),
+            ("cube.obj", 5),
+            ("tetrahedron.obj", 5),
+            ("octahedron.obj", 5),
+            ("fan3.obj", 5),
             ("fan5.obj", 5),
             ("fan8.obj", 5),
             ("corner.obj", 5),

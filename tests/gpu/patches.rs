@@ -113,7 +113,7 @@ fn displaced_pictures_of_patches_are_the_processors() {
             (
                 "adaptive",
                 Refinement::Default {
-                    max_level: deepest(&scene, 5),
+                    max_level: deepest(&scene, 4),
                 },
             ),
         ] {
