@@ -5,8 +5,10 @@ mod calibrate;
 mod cold;
 mod evaluate;
 mod frame;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod page;
-pub(super) mod paper;
+mod paper;
 mod patches;
 mod refine;
 mod report;
@@ -14,6 +16,8 @@ mod scale;
 
 use super::exit::Failure;
 use super::flags::{Backend, LevelFlags, ModelFlags, PictureFlags, RunningFlags};
+#[cfg(not(feature = "gpu"))]
+use super::gpu;
 use super::job::Job;
 use super::outputs::{commit_all, print_text};
 use super::render::{check_picture, input_paths, stats_output};
@@ -165,13 +169,13 @@ pub(crate) fn run(job: &mut Job, a: &Arguments) -> Result<(), Failure> {
     watch::phase(Phase::Measuring);
     let outcome = match a.suite {
         Suite::Refine => refine::refine(job, a, &mut scene)?,
-        Suite::Frame if a.picture.backend == Backend::Gpu => super::gpu::frame(job, a, &scene)?,
+        Suite::Frame if a.picture.backend == Backend::Gpu => gpu::frame(job, a, &scene)?,
         Suite::Frame => frame::frame(job, a, &mut scene, a.level.drawing(), true)?,
         Suite::Raster => frame::frame(job, a, &mut scene, Drawing::Cage, false)?,
         Suite::Patches => patches::patches(job, a, &scene)?,
         Suite::Evaluate => evaluate::evaluate(job, a, &mut scene)?,
         Suite::Scale => scale::scale(job, a, &scene)?,
-        Suite::Gpu => super::gpu::suite(job, a, &scene)?,
+        Suite::Gpu => gpu::suite(job, a, &scene)?,
         Suite::Cold => cold::cold(job, a, &torus()?)?,
         Suite::Paper => paper::paper(job, a)?,
         Suite::Calibrate => calibrate::calibrate(job, a)?,
