@@ -6,6 +6,7 @@
 
 use super::point::P4;
 use super::tangent_masks::{TangentMask, TangentMasks};
+use super::vectors::{V3, add, are_parallel, cross, normal_of_ends, unit};
 use crate::topology::{Fan, FanRule, NONE, Ring, Topology};
 use rayon::prelude::*;
 
@@ -133,28 +134,6 @@ impl FanPoints {
         }
         out
     }
-}
-
-pub(super) type V3 = [f64; 3];
-
-fn add(a: V3, b: V3, k: f64) -> V3 {
-    [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]]
-}
-fn cross(a: V3, b: V3) -> V3 {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-fn unit(a: V3) -> Option<V3> {
-    let m = a[0].abs().max(a[1].abs()).max(a[2].abs());
-    if !(m > 0.0 && m.is_finite()) {
-        return None;
-    }
-    let s = [a[0] / m, a[1] / m, a[2] / m];
-    let l = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).sqrt();
-    Some([s[0] / l, s[1] / l, s[2] / l])
 }
 
 /// Sums over a ring, relative to its vertex, in f64: means of edge and face neighbours, ends of an open ring.
@@ -314,12 +293,6 @@ fn refined_fan(t: &Topology, id: u32, points: &[[f32; 3]], steps: u32) -> [f32; 
     (0..steps).fold(P4::ZERO, |_, _| s.step()).xyz()
 }
 
-/// Tangents that cancel to rounding have no direction: compared with the size of what was summed.
-fn are_parallel([a, b]: [V3; 2]) -> bool {
-    let size = |v: V3| v[0].abs().max(v[1].abs()).max(v[2].abs());
-    size(cross(a, b)) <= 1e-10 * (size(a) * size(b))
-}
-
 /// Whether the tangents of a fan that is no corner have one direction, or none: its normal is then that of its ring.
 #[cfg(feature = "gpu")]
 pub(crate) fn has_no_plane(
@@ -368,19 +341,12 @@ fn evaluate_fan(
     if !normals {
         return (limit, [0.0; 3]);
     }
-    let normal = match fan.rule {
-        // Two ends know the plane, but not which side of a reflex angle the faces are on.
-        FanRule::Corner => {
-            let (ends, area) = (cross(s.ends[0], s.ends[1]), ring_area(t, &fan, points));
-            let along = (ends[0] * area[0] + ends[1] * area[1]) + ends[2] * area[2];
-            ends.map(|c| if along < 0.0 { -c } else { c })
-        }
-        _ => cross(s.tangents[0], s.tangents[1]),
+    let area = || ring_area(t, &fan, points);
+    let chosen = match fan.rule {
+        FanRule::Corner => normal_of_ends(s.ends, area()),
+        _ if are_parallel(s.tangents) => None,
+        _ => unit(cross(s.tangents[0], s.tangents[1])),
     };
-    let flat = fan.rule != FanRule::Corner && are_parallel(s.tangents);
-    let chosen = if flat { None } else { unit(normal) };
-    let n = chosen
-        .or_else(|| unit(ring_area(t, &fan, points)))
-        .unwrap_or([0.0, 0.0, 1.0]);
+    let n = chosen.or_else(|| unit(area())).unwrap_or([0.0, 0.0, 1.0]);
     (limit, std::array::from_fn(|c| n[c] as f32))
 }

@@ -20,6 +20,7 @@ pub(crate) mod tangent_masks;
 #[cfg(test)]
 mod tests;
 pub(crate) mod triangle;
+mod vectors;
 mod window;
 
 pub use basis::{MAX_LEVEL, Target};

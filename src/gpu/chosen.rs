@@ -57,22 +57,23 @@ impl GpuScene<'_> {
         if let Some(found) = found {
             return self.raster_by(found);
         }
-        let mut best = (Duration::MAX, Raster::Compute);
-        for raster in [Raster::Compute, Raster::Hardware] {
-            match self.raster_by(raster) {
-                Err(GpuError::Unsupported { .. } | GpuError::OutOfMemory { .. }) => continue,
-                made => made?,
-            }
-            // What is done once is done with the first.
-            self.draw()?;
-            let again = [self.draw()?, self.draw()?].map(|f| f.stats.wall);
-            let spent = again[0].min(again[1]);
-            if spent < best.0 {
-                best = (spent, raster);
-            }
-        }
+        let by_compute = self.spent(Raster::Compute)?;
+        // What a device cannot do it does slower than anything.
+        let best = match self.spent(Raster::Hardware) {
+            Ok(spent) if spent < by_compute => Raster::Hardware,
+            Ok(_) | Err(_) => Raster::Compute,
+        };
         // When another thread was first, what it found holds.
-        let chosen = *known().entry(key).or_insert(best.1);
+        let chosen = *known().entry(key).or_insert(best);
         self.raster_by(chosen)
+    }
+
+    /// How long a picture takes.
+    fn spent(&mut self, raster: Raster) -> Result<Duration, GpuError> {
+        self.raster_by(raster)?;
+        // What is done once is done with the first.
+        self.draw()?;
+        let again = [self.draw()?, self.draw()?].map(|f| f.stats.wall);
+        Ok(again[0].min(again[1]))
     }
 }

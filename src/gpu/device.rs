@@ -73,7 +73,7 @@ pub struct DeviceOptions {
     /// Draw keys in two passes although one would do, for tests.
     pub two_pass: bool,
     /// What draws keys; [`GpuScene::raster_by`](super::GpuScene::raster_by) changes it for one scene. Scenes whose pictures are too large for
-    /// what is asked for here are refused, not drawn otherwise.
+    /// the device's own rasteriser are refused where that alone is asked for, not drawn otherwise.
     pub raster: Raster,
 }
 
@@ -186,7 +186,7 @@ impl Gpu {
     }
 
     /// A device and queue of the caller's, which keep their own limits and features. Pictures are refused by devices whose stages bind fewer
-    /// than 12 storage buffers; [`Refiner`](super::Refiner) takes those of any.
+    /// than 12 storage buffers; [`Refiner`](super::Refiner) needs 8, WebGPU's default.
     #[must_use]
     pub fn of_device(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let limits = device.limits();

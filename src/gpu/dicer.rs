@@ -184,7 +184,7 @@ impl<'a> Dicer<'a> {
         if !has_tables {
             return Ok(dicer);
         }
-        dicer.rings = rings(surface);
+        dicer.rings = rings(surface, budget)?;
         dicer.make_tables(&needs, drawing, plan.flatness.is_some(), budget)?;
         Ok(dicer)
     }

@@ -258,7 +258,8 @@ impl<'a> GpuScene<'a> {
         &self.view
     }
 
-    /// Moves the control points of all objects, one after the other in the order of the scene; they go up with the next picture.
+    /// Moves the control points of all objects, one after the other in the order of the scene; they go up with the next picture. Which
+    /// vertices have no tangent plane, because two sides of a slit lie at one place, is told by the points that the scene was made with.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] where there are not as many as before, some of PN triangles are not finite, or positions are written beside the

@@ -45,7 +45,7 @@
 //!
 //! # Whole meshes
 //!
-//! [`Refiner`] makes the levels of a cage on a caller's device, in buffers that the caller draws from: `face`, `edge`, `vertex` and
+//! `Refiner` makes the levels of a cage on a caller's device, in buffers that the caller draws from: `face`, `edge`, `vertex` and
 //! `connectivity`, all of them gathers, of quads, triangles (Loop) or any polygons; and `limit`, the limit points and normals of the last.
 //!
 //! # What is refused
@@ -64,7 +64,6 @@ mod bands;
 mod chosen;
 #[cfg(feature = "gpu")]
 mod chunk;
-#[cfg(feature = "gpu")]
 #[cfg(feature = "gpu")]
 mod decided;
 #[cfg(feature = "gpu")]

@@ -64,7 +64,7 @@ struct Run {
 fn runs(sizes: &[Size]) -> (Vec<u32>, Vec<Run>) {
     let size_of = |k: &u32| sizes[*k as usize];
     let mut order: Vec<u32> = (0..sizes.len() as u32).collect();
-    order.sort_by_key(size_of);
+    order.sort_unstable_by_key(|k| (size_of(k), *k));
     let mut runs = Vec::new();
     let mut first = 0;
     for same in order.chunk_by(|a, b| size_of(a) == size_of(b)) {

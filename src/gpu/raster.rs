@@ -3,7 +3,7 @@
 //! A pass draws one sample of every pixel of a band: all chunks into a target of ids and one of depths, of which a compute pass makes keys. Corners
 //! lie on the 1/256 pixel that the compute stages snap to, moved by the place of the sample, so the target's pixel centres are our samples,
 //! for any number of them, and what is covered is decided by the same edges and the same rule. For that the viewport is a square whose side is a
-//! power of two: nothing is rounded on the way through clip space. A device whose rasteriser keeps fewer than eight bits of a pixel (Vulkan
+//! power of two: nothing of a snapped corner is rounded on the way through clip space. A device whose rasteriser keeps fewer than eight bits of a pixel (Vulkan
 //! asks for four) snaps corners again, coarser.
 //!
 //! Depths grow towards the eye, near / w, in 32-bit floats (Reed, Depth precision visualized, 2015). Of equal depths the first that is drawn
@@ -24,9 +24,9 @@ use std::sync::Mutex;
 
 /// What draws keys.
 ///
-/// Both ways draw the same picture but for samples within about 1/256 pixel of an edge, and ties in depth. Which is quicker depends on device,
-/// picture and sizes of triangles. The default is never a measured one: timings vary, and with them bytes would, from run to run on one
-/// machine.
+/// Both ways draw the same picture but for samples within about 1/256 pixel of an edge, ties in depth, and triangles through the near plane or
+/// far beyond the picture, which the device clips itself. Which is quicker depends on device, picture and sizes of triangles. The default is
+/// never a measured one: timings vary, and with them bytes would, from run to run on one machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Raster {
     /// Compute stages `tile` and `large`: the same bytes every time on one device, and on devices with little or no graphics throughput
@@ -36,7 +36,7 @@ pub enum Raster {
     /// The device's own rasteriser, stage `raster`, one pass for each sample of a pixel.
     Hardware,
     /// Whichever of both was quicker on this device when a picture of this size and about as many micro-triangles was first made ready:
-    /// both then draw it.
+    /// both then draw it. Scenes whose blocks the device decides on count as one number.
     Measured,
 }
 

@@ -1,15 +1,18 @@
 //! Normals of corners that no face tells by its own derivatives: those of the ring of faces around.
 //!
-//! Where the surface stays at its control point, its tangents there are the two ends of the ring between creases; a sharp point without creases
-//! has the mean of its faces' normals. Where tangents have one direction, as where two ends of a ring lie at one place, the ring's area is left.
+//! Where the surface stays at its control point, its tangents there are the two ends of the ring between creases (by convention: from three
+//! faces on there is no tangent plane); a sharp point without creases has the mean of its faces' normals. Where tangents have one direction, as where two ends of a ring lie at one place, the ring's area is left.
 
 use super::chunk::Builder;
 use super::dicer::Dicer;
+use super::error::GpuError;
 use super::surroundings::Finder;
-use super::wgsl::{RING_AREA, RING_ENDS, RING_MEAN, RING_REFLEX, RINGED};
+use super::tables::NO_WEIGHTS;
+use super::wgsl::{RING_AREA, RING_ENDS, RING_MEAN, RINGED};
 use crate::dice::fan_points;
 use crate::dice::tangent_masks::TangentMasks;
 use crate::dice::triangle::{self, TriangleMasks};
+use crate::limits::Budget;
 use crate::scheme::Scheme;
 use crate::surface::Surface;
 use crate::topology::{FanRule, NONE, Ring, Topology};
@@ -20,13 +23,13 @@ use std::collections::HashMap;
 pub(super) type Rings = HashMap<u32, Vec<u32>>;
 
 /// Those of a surface. They are chosen by the points that it has.
-pub(super) fn rings(surface: &Surface) -> Rings {
+pub(super) fn rings(surface: &Surface, budget: &mut Budget<'_>) -> Result<Rings, GpuError> {
     let mut out = Rings::new();
     let (t, points) = (surface.quads(), surface.control_points());
     let triangles = match surface.scheme() {
         Scheme::CatmullClark => false,
         Scheme::Loop => true,
-        _ => return out,
+        _ => return Ok(out),
     };
     let (of_quads, of_triangles) = match triangles {
         true => (None, Some(TriangleMasks::new(t))),
@@ -46,20 +49,20 @@ pub(super) fn rings(surface: &Surface) -> Rings {
         let rule = match (is_corner, fan.closed) {
             (false, _) => RING_AREA,
             (true, true) => RING_MEAN,
-            (true, false) if fan.faces > 1 + u32::from(triangles) => RING_ENDS | RING_REFLEX,
             (true, false) => RING_ENDS,
         };
+        budget.limits().check()?;
         let points = match &finder {
-            Some(finder) => split_ring(finder, surface, fan.first),
-            None => Some(ring(surface, id)),
+            Some(finder) => split_ring(finder, surface, fan.first)?,
+            None => ring(surface, id),
         };
-        if let Some(points) = points {
-            let mut words = vec![fan.faces << 3 | rule];
-            words.extend(points);
-            out.insert(id, words);
-        }
+        let mut words = vec![fan.faces << 2 | rule];
+        words.extend(points);
+        let bytes = 4 * words.len() as u128;
+        budget.take("the corners of the GPU backend", bytes, 0)?;
+        out.insert(id, words);
     }
-    out
+    Ok(out)
 }
 
 /// The points of a fan's ring, that of the fan first and the first neighbour once more at the end of a closed one.
@@ -80,7 +83,7 @@ fn halves(t: &Topology, id: u32) -> (u32, Vec<u32>) {
 }
 
 /// The same of a mesh that is split into quads, whose points are sums: those of unit vectors tell what of. `h` begins with the fan's vertex.
-fn split_ring(finder: &Finder<'_>, surface: &Surface, h: u32) -> Option<Vec<u32>> {
+fn split_ring(finder: &Finder<'_>, surface: &Surface, h: u32) -> Result<Vec<u32>, GpuError> {
     let face = surface.cage_face(h / 4);
     let found = finder.find(face);
     let mut local = found.surface(surface);
@@ -94,13 +97,14 @@ fn split_ring(finder: &Finder<'_>, surface: &Surface, h: u32) -> Option<Vec<u32>
         .collect();
     let mut terms = vec![Vec::new(); points.len()];
     let count = found.vertices.len();
+    let mut units = vec![[0.0; 3]; local.control_base().len()];
     for first in (0..count).step_by(3) {
         let columns = first..count.min(first + 3);
-        let mut units = vec![[0.0; 3]; local.control_base().len()];
+        units.fill([0.0; 3]);
         for k in columns.clone() {
             units[k][k - first] = 1.0;
         }
-        local.update_points(&units).ok()?;
+        local.update_points(&units).map_err(|_| NO_WEIGHTS)?;
         for (out, &v) in terms.iter_mut().zip(&points) {
             let weights = local.control_points()[v as usize];
             for k in columns.clone().filter(|k| weights[k - first] != 0.0) {
@@ -109,10 +113,8 @@ fn split_ring(finder: &Finder<'_>, surface: &Surface, h: u32) -> Option<Vec<u32>
         }
     }
     let all = terms.into_iter();
-    Some(
-        all.flat_map(|t| std::iter::once(t.len() as u32 / 2).chain(t))
-            .collect(),
-    )
+    let words = all.flat_map(|t| std::iter::once(t.len() as u32 / 2).chain(t));
+    Ok(words.collect())
 }
 
 impl Dicer<'_> {

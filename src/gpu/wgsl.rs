@@ -250,8 +250,7 @@ pub fn film() -> Source {
 #[must_use]
 pub fn all() -> Vec<Source> {
     let mut out = vec![film()];
-    for faces in [Faces::Quads, Faces::Triangles, Faces::Polygons] {
-        let step = MeshStep::of(faces);
+    for step in MeshStep::ends() {
         let stages = [face, edge, vertex, connectivity, limit];
         out.extend(stages.map(|stage| stage(step)));
     }

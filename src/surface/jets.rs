@@ -278,7 +278,7 @@ impl<'a> PlaceJets<'a> {
     }
 
     /// By u, by v, by u twice, by u and v, by v twice, at column and row `at` of quad `q`, both from 0 to 1; second ones are zeros where
-    /// there are none. At [flat corners](PlaceJets::flat) the tangents. None of interpolating surfaces.
+    /// there are none. At [flat corners](crate::topology::Fan::is_flat) the tangents. None of interpolating surfaces.
     pub(crate) fn points(&mut self, q: u32, at: [f32; 2]) -> Option<[[f32; 3]; 5]> {
         let found = (self.points).at::<2>(self.surface, Kind::Points, q, at)?;
         let [uu, uv, vv] = found.second;

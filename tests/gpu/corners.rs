@@ -72,6 +72,38 @@ fn bow(triangles: bool) -> Shape {
     (points, faces, Vec::new())
 }
 
+/// Three faces at a sharp point of the border, over angles up to `last`, in a plane that is parallel to no axis.
+fn sector(triangles: bool, last: f32) -> Shape {
+    let (u, v, n) = ([0.48, 0.6, 0.64], [0.8, -0.6, 0.0], [0.384, 0.512, -0.768]);
+    let own = [0.1, 0.2, 0.3];
+    let at = |k: u32, r: f32, h: f32| {
+        let (sine, cosine) = (last * k as f32 / 6.0).sin_cos();
+        std::array::from_fn(|c| own[c] + r * (cosine * u[c] + sine * v[c]) + h * n[c])
+    };
+    let heights = [0.0, 0.2, 0.3, 0.1, -0.2, -0.1, 0.0];
+    let step = if triangles { 2 } else { 1 };
+    let rim = (0..7).step_by(step);
+    let mut points = vec![own];
+    points.extend(rim.map(|k: u32| at(k, 1.0 + 0.2 * (k % 2) as f32, heights[k as usize])));
+    let faces = match triangles {
+        true => (1..4).map(|k| vec![0, k, k + 1]).collect(),
+        false => (0..3)
+            .map(|k| vec![0, 2 * k + 1, 2 * k + 2, 2 * k + 3])
+            .collect(),
+    };
+    (points, faces, vec![0])
+}
+
+/// It takes less than half a turn.
+fn narrow(triangles: bool) -> Shape {
+    sector(triangles, 2.5)
+}
+
+/// It takes more than half a turn.
+fn wide(triangles: bool) -> Shape {
+    sector(triangles, 4.2)
+}
+
 /// The same with a triangle apart, which has cages of quads split once.
 fn beside_triangle((mut points, mut faces, sharp): Shape) -> Shape {
     let first = points.len() as u32;
@@ -180,6 +212,8 @@ fn corners_of_rings_are_the_processors() {
         ("slit", slit as fn(bool) -> Shape),
         ("tip", tip),
         ("bow", bow),
+        ("narrow", narrow),
+        ("wide", wide),
     ] {
         for (kind, shape, scheme) in [
             ("quads", shape(false), Scheme::CatmullClark),

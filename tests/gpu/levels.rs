@@ -156,8 +156,9 @@ fn levels_are_the_processors() {
     let Some(gpu) = gpu("levels") else { return };
     let mut all = Found::default();
     let mut run = 0;
-    let mut note = |name: &str, scene: &Scene, levels: u32| {
+    let mut note = |name: &str, scene: &Scene, levels: u32, has_limit: bool| {
         let found = compare(&gpu, name, &scene.objects[0].surface, levels);
+        assert_eq!(found.normals > 0, has_limit, "{name}");
         println!(
             "gpu levels {name} {levels}: {:.1e} of the model, {} points; {:.4} degrees, {} normals",
             found.far, found.points, found.turned, found.normals
@@ -171,6 +172,8 @@ fn levels_are_the_processors() {
         ..options(Scheme::CatmullClark)
     };
     for (name, options, levels) in [
+        ("cube", SurfaceOptions::default(), 0),
+        ("octahedron", options(Scheme::Loop), 0),
         ("cube", SurfaceOptions::default(), 6),
         ("corner", SurfaceOptions::default(), 4),
         ("fan5", SurfaceOptions::default(), 4),
@@ -186,17 +189,49 @@ fn levels_are_the_processors() {
         ("part", options(Scheme::Bilinear), 3),
         ("octahedron", options(Scheme::Bilinear), 3),
     ] {
-        note(name, &asset(name, options), levels);
+        note(name, &asset(name, options), levels, true);
     }
     for creases in [CreaseMethod::Uniform, CreaseMethod::Chaikin] {
-        note("creased cube", &creased_cube(creases), 5);
-        // Creases fade at the last level: no limit.
-        note("creased cube", &creased_cube(creases), 1);
+        note("creased cube", &creased_cube(creases), 5, true);
+        // Creases fade at the last level.
+        note("creased cube", &creased_cube(creases), 1, false);
     }
     println!(
         "gpu levels: {run} cases, {} points, off by at most {:.1e} of the model, {} normals by {:.4} degrees",
         all.points, all.far, all.normals, all.turned
     );
+}
+
+#[test]
+fn moved_points_make_other_levels() {
+    let Some(gpu) = gpu("moved levels") else {
+        return;
+    };
+    let mut surface = asset("part", SurfaceOptions::default()).objects[0]
+        .surface
+        .clone();
+    let refiner = Refiner::with_limit(&gpu, &surface, 2).unwrap();
+    let run = |refiner: &Refiner| {
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        refiner.encode(&mut encoder);
+        gpu.queue().submit([encoder.finish()]);
+        (
+            refiner.read(&gpu, 2).unwrap(),
+            refiner.read_limit(&gpu).unwrap(),
+        )
+    };
+    let before = run(&refiner);
+    let points = surface.cage().points().iter();
+    let moved: Vec<[f32; 3]> = points
+        .map(|p| [p[0], 0.5 * p[1] + 0.2 * p[0], p[2]])
+        .collect();
+    refiner.move_points(gpu.queue(), &moved).unwrap();
+    surface.update_points(&moved).unwrap();
+    let after = run(&refiner);
+    assert!(after != before);
+    // As if they had been there from the beginning.
+    assert!(after == run(&Refiner::with_limit(&gpu, &surface, 2).unwrap()));
+    assert!(refiner.move_points(gpu.queue(), &moved[1..]).is_err());
 }
 
 fn of_shape(shared: &Path, case: &Case) -> Scene {
@@ -287,6 +322,27 @@ fn what_has_no_levels_is_refused() {
     assert!(refused(&cube, 11, false).contains("above 10"));
     let part = asset("octahedron", options(Scheme::CatmullClark));
     assert!(refused(&part, 0, true).contains("polygons"));
+    let fan = |n: u32| {
+        let at = |k: u32| (k as f32 / n as f32 * std::f32::consts::TAU).sin_cos();
+        let rim = (0..n).map(|k| [at(k).1, at(k).0, 0.0]);
+        let points: Vec<[f32; 3]> = rim.chain([[0.0; 3]]).collect();
+        let corners = (0..n).flat_map(|k| [n, k, (k + 1) % n]).collect();
+        let chaikin = SurfaceOptions {
+            creases: Some(CreaseMethod::Chaikin),
+            ..options(Scheme::CatmullClark)
+        };
+        let cage = earmark::Cage::new(points, &vec![3; n as usize], corners).unwrap();
+        Scene::of(Surface::new(cage, &chaikin))
+    };
+    assert!(refused(&fan(513), 1, false).contains("512"));
+    let polygon = earmark::Cage::new(
+        fan(513).objects[0].surface.cage().points()[..513].to_vec(),
+        &[513],
+        (0..513).collect(),
+    );
+    let polygon = Surface::new(polygon.unwrap(), &options(Scheme::CatmullClark));
+    assert!(Refiner::new(&gpu, &polygon, 1).is_ok());
+    assert!(refused(&Scene::of(polygon), 1, true).contains("512"));
     let creased = creased_cube(CreaseMethod::Uniform);
     assert!(refused(&creased, 2, true).contains("fade"));
     assert!(Refiner::with_limit(&gpu, &creased.objects[0].surface, 3).is_ok());

@@ -6,9 +6,10 @@
 
 use super::MAX_DEPTH;
 use crate::dice::face::Channel;
-use crate::dice::fan_points::{RING_FACES, V3};
+use crate::dice::fan_points::RING_FACES;
 use crate::dice::point::{D4, Point};
 use crate::dice::tangent_masks::TangentMask;
+use crate::dice::vectors::V3;
 use crate::dice::window::{Around, edge_point, face_point};
 use crate::scheme::by_valence::ByValence;
 use crate::topology::{Fan, FanRule, NONE};

@@ -6,6 +6,7 @@
 //! Tangents are left eigenvectors of the rules; for sides of four or more faces that is not the usual mask of a boundary.
 
 use super::super::point::P4;
+use super::super::vectors::{V3, add, are_parallel, cross, normal_of_ends, unit};
 use super::ring::{is_regular, next, prev, rule};
 use super::wide::{RING_FACES, WideFan};
 use crate::topology::{Fan, FanRule, NONE, Ring, Topology};
@@ -191,34 +192,6 @@ impl TriangleFans {
     }
 }
 
-type V3 = [f64; 3];
-
-fn add(a: V3, b: V3, k: f64) -> V3 {
-    [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]]
-}
-fn dot(a: V3, b: V3) -> f64 {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
-}
-fn cross(a: V3, b: V3) -> V3 {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-fn size(v: V3) -> f64 {
-    v[0].abs().max(v[1].abs()).max(v[2].abs())
-}
-fn unit(a: V3) -> Option<V3> {
-    let m = size(a);
-    if !(m > 0.0 && m.is_finite()) {
-        return None;
-    }
-    let s = a.map(|c| c / m);
-    let l = dot(s, s).sqrt();
-    Some(s.map(|c| c / l))
-}
-
 /// Sums over a ring, relative to its vertex, in f64.
 pub(super) struct RingSums {
     pub(super) edges: V3,
@@ -319,11 +292,6 @@ fn refined(t: &Topology, id: u32, points: &[[f32; 3]], steps: u32) -> [f32; 3] {
     (s.base + last).xyz()
 }
 
-/// Tangents that cancel to rounding have no direction: compared with the size of what was summed.
-fn are_parallel([a, b]: [V3; 2]) -> bool {
-    size(cross(a, b)) <= 1e-10 * size(a) * size(b)
-}
-
 /// Whether the tangents of a fan that is no corner have one direction, or none: its normal is then that of its ring.
 #[cfg(feature = "gpu")]
 pub(crate) fn has_no_plane(
@@ -360,20 +328,13 @@ fn evaluate(
     if !normals {
         return (limit, [0.0; 3]);
     }
-    // The tangents of a corner of one or two faces are its two ends; more faces have no tangent plane.
-    let tangents = match rule {
-        FanRule::Corner if fan.faces <= 2 && !fan.closed => Some(s.ends),
+    // The tangents of a corner are its two ends: from three faces on by convention, there being no tangent plane.
+    let chosen = match rule {
+        FanRule::Corner if !fan.closed => normal_of_ends(s.ends, s.area),
         FanRule::Corner => None,
-        _ => Some(s.tangents),
+        _ if are_parallel(s.tangents) => None,
+        _ => unit(cross(s.tangents[0], s.tangents[1])),
     };
-    let chosen = tangents.and_then(|[a, b]| {
-        let normal = cross(a, b);
-        if are_parallel([a, b]) {
-            return None;
-        }
-        let turned = rule == FanRule::Corner && dot(normal, s.area) < 0.0;
-        unit(if turned { normal.map(|c| -c) } else { normal })
-    });
     let normal = chosen.or_else(|| unit(s.area)).unwrap_or([0.0, 0.0, 1.0]);
     (limit, normal.map(|c| c as f32))
 }

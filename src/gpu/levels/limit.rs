@@ -3,7 +3,7 @@
 //! Masks depend on nothing but how sharp edges and faces lie around a vertex. Those of the cage's vertices, and of the points of its polygons, are
 //! listed; all others came of an edge or a quad or triangle, and are of five kinds at most. The weights are the processor's own.
 
-use super::mesh::{Counts, Level};
+use super::mesh::{Counts, Level, most_around};
 use crate::gpu::device::Gpu;
 use crate::gpu::dicer::MOST_AROUND;
 use crate::gpu::error::GpuError;
@@ -11,6 +11,7 @@ use crate::gpu::pipelines::{Stage, module, stage};
 use crate::gpu::wgsl::{self, MeshStep};
 use crate::refine::limit::{Masks, RingShape, VertexMasks};
 use crate::refine::ring::fan_spokes;
+use crate::scheme::Scheme;
 use crate::scheme::crease::{is_infinite, is_semi_sharp};
 use crate::scheme::limit::RingMask;
 use crate::surface::Surface;
@@ -35,14 +36,16 @@ pub(super) fn check(surface: &Surface, levels: u32) -> Result<(), GpuError> {
         return refuse("limits of a cage's own polygons: refine it by a level");
     }
     let edges = (0..t.edge_count() as u32).map(|e| t.edge_sharpness(e));
-    let all = edges.chain((0..t.vertex_count() as u32).map(|v| t.vertex_sharpness(v)));
-    if all.filter(|&s| is_semi_sharp(s)).any(|s| s > levels as f32) {
+    let mut all = edges.chain((0..t.vertex_count() as u32).map(|v| t.vertex_sharpness(v)));
+    let fades = |s: f32| is_semi_sharp(s) && s > levels as f32;
+    if surface.scheme() != Scheme::Bilinear && all.any(fades) {
         return refuse(
             "limits of creases that are still to fade: refine by as many levels as the sharpest",
         );
     }
-    if t.fans().iter().any(|fan| fan.faces > MOST_AROUND) {
-        return refuse("limits at vertices of more than 512 faces");
+    let mut corners = (0..t.face_count() as u32).map(|f| t.face_halves(f).len() as u32);
+    if most_around(t) > MOST_AROUND || corners.any(|n| n > MOST_AROUND) {
+        return refuse("limits at vertices of more than 512 faces, or of faces of more corners");
     }
     Ok(())
 }

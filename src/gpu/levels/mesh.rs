@@ -39,6 +39,21 @@ impl Counts {
         })
     }
 
+    /// Bytes of its half-edges, the rest and points, if each fits a binding.
+    pub(super) fn sizes(self, gpu: &Gpu) -> Result<[u64; 3], GpuError> {
+        let record = self.record().ok_or(TOO_LARGE)?;
+        let bytes = |words: u32| 4 * u64::from(words);
+        let sizes = [
+            bytes(record.numbers + self.halves),
+            bytes(record.sharpness + self.edges + self.vertices),
+            bytes(3 * self.vertices),
+        ];
+        match sizes.iter().all(|&bytes| bytes <= gpu.max_binding) {
+            true => Ok(sizes),
+            false => Err(TOO_LARGE),
+        }
+    }
+
     /// Where lists begin, unless that is no `u32`.
     fn record(self) -> Option<Mesh> {
         let twins = self.halves.checked_next_multiple_of(ALIGN)?;
@@ -85,16 +100,7 @@ impl Level {
     /// Room for a level.
     pub(super) fn empty(gpu: &Gpu, counts: Counts) -> Result<Self, GpuError> {
         let record = counts.record().ok_or(TOO_LARGE)?;
-        let bytes = |words: u32| 4 * u64::from(words);
-        let sizes = [
-            bytes(record.numbers + counts.halves),
-            bytes(record.sharpness + counts.edges + counts.vertices),
-            bytes(3 * counts.vertices),
-        ];
-        if sizes.iter().any(|&bytes| bytes > gpu.max_binding) {
-            return Err(TOO_LARGE);
-        }
-        let [halves, rest, points] = sizes;
+        let [halves, rest, points] = counts.sizes(gpu)?;
         let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
         let mesh = Usage::UNIFORM | Usage::COPY_DST;
         let made = Self {
@@ -149,4 +155,9 @@ pub(super) fn polygon_words(t: &Topology) -> Vec<u32> {
     let halves = t.half_count() as u32;
     let faces = (0..halves).map(|h| t.face_of(h));
     firsts.chain(std::iter::once(halves)).chain(faces).collect()
+}
+
+/// Most faces around a vertex.
+pub(super) fn most_around(t: &Topology) -> u32 {
+    t.fans().iter().map(|fan| fan.faces).max().unwrap_or(0)
 }

@@ -9,6 +9,7 @@ mod mesh;
 mod step;
 
 use super::device::Gpu;
+use super::dicer::MOST_AROUND;
 use super::error::GpuError;
 use super::read_back::read_floats;
 use super::timer::{self, Timer};
@@ -17,7 +18,7 @@ use crate::dice::MAX_LEVEL;
 use crate::scheme::{CreaseMethod, Scheme, TriangleRule};
 use crate::surface::Surface;
 use limit::LimitBuffers;
-use mesh::{Level, TOO_LARGE};
+use mesh::{Counts, Level, TOO_LARGE, most_around};
 use std::time::{Duration, Instant};
 use step::{Shared, Stages, Step};
 
@@ -35,9 +36,15 @@ pub struct Refiner {
     limit: Option<LimitBuffers>,
 }
 
-fn check(surface: &Surface, levels: u32) -> Result<(), GpuError> {
+/// Storage buffers that a stage binds, which is what WebGPU promises.
+const STORAGE_BUFFERS: u32 = 8;
+
+fn check(gpu: &Gpu, surface: &Surface, levels: u32) -> Result<(), GpuError> {
     let t = surface.topology();
     let refuse = |what| Err(GpuError::Unsupported { what });
+    if gpu.device().limits().max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+        return refuse("levels on a device whose stages bind fewer than 8 storage buffers");
+    }
     if levels > MAX_LEVEL {
         return refuse("levels above 10");
     }
@@ -51,6 +58,19 @@ fn check(surface: &Surface, levels: u32) -> Result<(), GpuError> {
         });
     if !manifold {
         return refuse("levels of cages that are not manifold");
+    }
+    // The ends of an edge each walk around their vertex.
+    let chaikin = surface.refine_options().creases == CreaseMethod::Chaikin;
+    if chaikin && most_around(t) > MOST_AROUND {
+        return refuse("levels with Chaikin creases and vertices of more than 512 faces");
+    }
+    // Before anything is made.
+    let triangles = surface.scheme().is_triangular();
+    let mut counts = Counts::of(t);
+    counts.sizes(gpu)?;
+    for _ in 0..levels {
+        counts = counts.next(triangles).ok_or(TOO_LARGE)?;
+        counts.sizes(gpu)?;
     }
     Ok(())
 }
@@ -77,9 +97,10 @@ impl Refiner {
     /// A refiner of `surface`'s cage, by `levels` steps (0 to 10; 0 is the cage itself), with the points that it has now.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] for interpolating schemes and for cages that are not manifold; what the device cannot hold.
+    /// [`GpuError::Unsupported`] for interpolating schemes, cages that are not manifold, Chaikin creases with more than 512 faces around a vertex,
+    /// more than 10 levels, and devices whose stages bind fewer than 8 storage buffers; what the device cannot hold.
     pub fn new(gpu: &Gpu, surface: &Surface, levels: u32) -> Result<Self, GpuError> {
-        check(surface, levels)?;
+        check(gpu, surface, levels)?;
         gpu.caught(|| Self::on(gpu, surface, levels))
     }
 
@@ -87,16 +108,13 @@ impl Refiner {
     ///
     /// # Errors
     /// As [`Refiner::new`]; [`GpuError::Unsupported`] also where creases still fade at the last level, for polygons at level 0, and for vertices
-    /// of more than 512 faces.
+    /// of more than 512 faces and faces of as many corners.
     pub fn with_limit(gpu: &Gpu, surface: &Surface, levels: u32) -> Result<Self, GpuError> {
-        check(surface, levels)?;
+        check(gpu, surface, levels)?;
         limit::check(surface, levels)?;
         gpu.caught(|| {
             let mut made = Self::on(gpu, surface, levels)?;
-            let mut step = first_step(surface);
-            if step.faces == Faces::Polygons {
-                step.faces = Faces::Quads;
-            }
+            let step = first_step(surface).next();
             let last = (levels, made.last());
             made.limit = Some(LimitBuffers::new(gpu, surface, step, last)?);
             Ok(made)
@@ -111,17 +129,18 @@ impl Refiner {
         };
         let mut step = first_step(surface);
         let shared = Shared::new(gpu, surface, step)?;
-        let mut stages = Stages::new(gpu, step);
-        for k in 0..levels {
-            if k == 1 && step.faces == Faces::Polygons {
-                step.faces = Faces::Quads;
-                stages = Stages::new(gpu, step);
-            }
-            let parent = made.last();
+        let mut stages = None;
+        for _ in 0..levels {
+            let stages = match &mut stages {
+                Some((of, stages)) if *of == step => stages,
+                other => &mut other.insert((step, Stages::new(gpu, step))).1,
+            };
             let triangles = step.faces == Faces::Triangles;
+            step = step.next();
+            let parent = made.last();
             let counts = parent.counts.next(triangles).ok_or(TOO_LARGE)?;
             let child = Level::empty(gpu, counts)?;
-            let step = Step::new(gpu, &stages, &shared, [parent, &child]);
+            let step = Step::new(gpu, stages, &shared, [parent, &child]);
             step.connect(gpu, counts);
             made.levels.push(child);
             made.steps.push(step);
@@ -201,7 +220,7 @@ impl Refiner {
     }
 
     /// Unit normals of the limit, outward: three `f32` for every corner of [`Refiner::corners`], the same around a vertex unless sharp edges meet
-    /// there. A storage buffer; nothing without [`Refiner::with_limit`].
+    /// there. Where tangents are parallel they are those of the faces around. A storage buffer; nothing without [`Refiner::with_limit`].
     #[must_use]
     pub fn normals(&self) -> Option<&wgpu::Buffer> {
         self.limit.as_ref().map(|limit| &limit.normals)

@@ -1,6 +1,6 @@
 //! A step from a level to the next: its stages, and what they are bound to.
 
-use super::mesh::{Counts, Level, polygon_words};
+use super::mesh::{Counts, Level, most_around, polygon_words};
 use crate::gpu::device::Gpu;
 use crate::gpu::error::GpuError;
 use crate::gpu::pipelines::module;
@@ -104,7 +104,7 @@ impl Shared {
         };
         let neighbours: Vec<u32> = match step.faces {
             Faces::Triangles => {
-                let most = t.fans().iter().map(|fan| fan.faces).fold(6, u32::max);
+                let most = most_around(t).max(6);
                 let weights = (1..=most).map(|n| loop_scheme::neighbour(n) as f32);
                 std::iter::once(0.0)
                     .chain(weights)

@@ -1,12 +1,12 @@
-// Limit positions of vertices and unit limit normals of corners: an invocation is a vertex, and walks its ring once for its position and once more
-// for all sectors between sharp edges. Weights are the processor's (src/refine/limit/masks.rs).
+// Limit positions of vertices and unit limit normals of corners: an invocation is a vertex, and walks its ring for its position, then sector by
+// sector between sharp edges. Weights are the processor's (src/refine/limit/masks.rs).
 
 // Where masks begin: of vertices that have their own, then by kind; behind, the masks.
 @group(0) @binding(4) var<storage, read> masks: array<u32>;
 @group(0) @binding(5) var<storage, read_write> limits: array<f32>;
 @group(0) @binding(6) var<storage, read_write> normals: array<f32>;
 
-// Sine of the angle below which two tangents are parallel.
+// Sine of the angle below which two tangents are parallel, as src/refine/limit/sectors.rs has it.
 const PARALLEL = 1e-5;
 
 fn weight(at: u32) -> f32 {
@@ -22,7 +22,8 @@ fn masks_at(v: u32, first: u32) -> u32 {
     var kind = 0u;
     var h = first;
     for (var i = 0u; ; i++) {
-        if kind == 0u && edge_sharpness(edge_of(h)) > 0.0 {
+        // Creases that fade are smooth by now; others come in opposite pairs.
+        if kind == 0u && edge_sharpness(edge_of(h)) >= INFINITE {
             kind = 2u + i;
         }
         h = rotate(h);

@@ -39,6 +39,29 @@ impl MeshStep {
         }
     }
 
+    /// That of the level that it makes: polygons are quads then.
+    #[must_use]
+    pub fn next(self) -> Self {
+        let faces = match self.faces {
+            Faces::Polygons => Faces::Quads,
+            same => same,
+        };
+        Self { faces, ..self }
+    }
+
+    /// With none and with all of the rules that seldom apply.
+    #[must_use]
+    pub fn ends() -> Vec<Self> {
+        let all = [Faces::Quads, Faces::Triangles, Faces::Polygons];
+        let full = |faces| Self {
+            faces,
+            linear: true,
+            chaikin: true,
+            smooth_triangles: true,
+        };
+        all.into_iter().map(Self::of).chain(all.map(full)).collect()
+    }
+
     fn source(self, name: &'static str, own: &[&str]) -> Source {
         let flags = [
             ("LINEAR", self.linear),

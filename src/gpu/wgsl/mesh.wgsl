@@ -1,4 +1,4 @@
-// A level of a whole mesh as half-edges, and walks around its vertices. What a face is (next, before, face_of, first_half, child_corner) stands in
+// A level of a whole mesh as half-edges, and walks around its vertices. What a face is (next, before, face_of, first_half, corners_of, child_corner) stands in
 // mesh_quads.wgsl, mesh_triangles.wgsl or mesh_polygons.wgsl.
 
 @group(0) @binding(0) var<uniform> mesh: Mesh;

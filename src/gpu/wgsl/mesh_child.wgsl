@@ -1,4 +1,4 @@
-// The level that follows: those of vertices come first, then those of faces that are no triangles, then those of edges.
+// The level that follows. Its points: those of vertices come first, then those of faces that are not split into triangles, then those of edges.
 
 @group(0) @binding(4) var<uniform> child: Mesh;
 @group(0) @binding(5) var<storage, read_write> child_halves: array<u32>;

@@ -26,15 +26,12 @@ pub const PN: u32 = 2;
 
 /// In place of a point of a table, of a normal that is made of the ring around a corner (`rings`).
 pub const RINGED: u32 = u32::MAX - 1;
-/// How: across the two ends of the ring, as the mean of its faces' normals, or as its area. The last bit says that two ends may enclose more
-/// than half a turn.
+/// How: across the two ends of the ring, on the side that its area says, as the mean of its faces' normals, or as its area.
 pub const RING_ENDS: u32 = 0;
 /// See above.
 pub const RING_MEAN: u32 = 1;
 /// See above.
 pub const RING_AREA: u32 = 2;
-/// See above.
-pub const RING_REFLEX: u32 = 4;
 
 /// [`Rise::shape`](crate::gpu::records::Rise::shape) of what is not displaced.
 pub const STILL: u32 = 0;
@@ -149,7 +146,6 @@ pub(super) fn source() -> String {
         ("RINGED", RINGED),
         ("RING_ENDS", RING_ENDS),
         ("RING_MEAN", RING_MEAN),
-        ("RING_REFLEX", RING_REFLEX),
         ("STILL", STILL),
         ("MAP", MAP),
         ("NOISE", NOISE),

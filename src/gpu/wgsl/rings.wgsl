@@ -34,7 +34,7 @@ fn ring_normal(ring: u32) -> vec3<f32> {
     let first = point.p - own.p;
     var last = first;
     var sum = vec3<f32>(0.0);
-    for (var k = 0u; k < (head >> 3u); k++) {
+    for (var k = 0u; k < (head >> 2u); k++) {
         point = ring_point(point.next, origin);
         let next = point.p - own.p;
         let c = cross(last, next);
@@ -48,7 +48,7 @@ fn ring_normal(ring: u32) -> vec3<f32> {
     if (head & 3u) == RING_ENDS {
         let n = cross(normalize_or_zero(first), normalize_or_zero(last));
         if dot(n, n) > 1e-10 {
-            return normalize_or_zero(select(n, -n, (head & RING_REFLEX) != 0u && dot(n, sum) < 0.0));
+            return normalize_or_zero(select(n, -n, dot(n, sum) < 0.0));
         }
     }
     return normalize_or_zero(sum);

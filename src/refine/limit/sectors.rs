@@ -13,8 +13,8 @@ use std::sync::OnceLock;
 const TABLE: usize = dart::MAX_VALENCE as usize + 1;
 /// Steps after which the ring of a dart of high valence is taken as smooth.
 const DART_STEPS: usize = 64;
-/// Two tangents count as parallel when the sine of their angle is below this.
-const PARALLEL: f64 = 1e-7;
+/// Two tangents count as parallel when the sine of their angle is below this: points of 24 bits leave no direction in their cross product.
+const PARALLEL: f64 = 1e-5;
 
 /// Masks by valence, made when first needed.
 pub(in crate::refine) struct Tables {
